@@ -1,0 +1,61 @@
+#pragma once
+#include "pdx/base/petsc.hpp"
+
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pdx {
+/// Allowed values of a number; ends included unless `open_lower`.
+struct Range {
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  bool open_lower = false;
+  static Range positive() { return {0.0, std::numeric_limits<double>::infinity(), true}; }
+  static Range at_least(double lower) { return {lower}; }
+};
+
+/// What `-help` shows of one option.
+struct OptionDoc {
+  std::string room, name, unit, default_value, allowed, help;
+};
+
+/// Reads our options from PETSc's database: name, help, unit, default and allowed values meet in one call.
+/// A value that does not parse or is out of range throws UserError. Every name read is remembered for `-help`
+/// and for the refusal of unknown names.
+class Options {
+public:
+  explicit Options(std::string room) : room_(std::move(room)) {}
+
+  bool given(const std::string& name) const;
+  double real(const std::string& name, double value, const char* unit, const char* help, Range range = {});
+  int integer(const std::string& name, int value, const char* help, Range range = {});
+  bool boolean(const std::string& name, bool value, const char* help);
+  std::string text(const std::string& name, std::string value, const char* help);
+  /// One of `allowed`; returns its position in the list.
+  int choice(const std::string& name, int value, std::span<const char* const> allowed, const char* help);
+  /// Comma-separated numbers; `count` = 0 takes any number of them.
+  std::vector<double> reals(const std::string& name, std::vector<double> value, std::size_t count, const char* unit,
+                            const char* help, Range range = {});
+  std::vector<int> integers(const std::string& name, std::vector<int> value, std::size_t count, const char* help,
+                            Range range = {});
+  std::vector<std::string> texts(const std::string& name, std::vector<std::string> value, const char* help);
+
+private:
+  std::optional<std::string> find(const std::string& name) const;
+  void document(const std::string& name, const char* unit, std::string default_value, std::string allowed,
+                const char* help);
+  std::string room_;
+};
+
+/// Every option read so far, in order of reading.
+const std::vector<OptionDoc>& documented_options();
+/// The documented name nearest to `name` by edit distance ("" if none is near).
+std::string nearest_option(std::string_view name);
+/// Throws UserError for the first option in the database that neither we nor PETSc know. PETSc's own families
+/// (-snes_, -ksp_, -pc_, -mg_, -log_, ...) pass. Call after all our options were read.
+void refuse_unknown_options();
+} // namespace pdx

@@ -1,0 +1,44 @@
+#pragma once
+#include "pdx/base/petsc.hpp"
+
+#include <span>
+#include <vector>
+
+namespace pdx::field {
+/// Every unknown is a block of `dim` displacements carried by a row. Rows of a rank are contiguous:
+/// [FE nodes | enriched sets | particles].
+struct Rows {
+  MPI_Comm comm = MPI_COMM_NULL;
+  int dim = 2;
+  Index nodes = 0, enriched = 0, particles = 0; ///< owned rows by kind
+  PetscInt first = 0, total = 0;                ///< first owned row, rows of all ranks
+
+  /// Counts the rows before ours. Collective.
+  static Rows number(MPI_Comm comm, int dim, Index nodes, Index enriched, Index particles);
+  Index owned() const { return nodes + enriched + particles; }
+  Index first_particle() const { return nodes + enriched; } ///< local row of the first particle
+  bool owns(PetscInt row) const { return row >= first && row < first + owned(); }
+  VecHandle vector() const; ///< zero vector with this layout and block size dim. Collective.
+};
+
+/// Local view of rows: [owned | halo]. The halo is what some Term reads of other ranks.
+class RowHalo {
+public:
+  /// @param needed global rows read here; owned ones and repeats are allowed. Collective.
+  RowHalo(const Rows& rows, std::vector<PetscInt> needed);
+
+  const Rows& rows() const { return rows_; }
+  Index size() const { return rows_.owned() + static_cast<Index>(halo_.size()); }
+  Index local(PetscInt row) const; ///< local number of a global row; it must be owned or in the halo
+  PetscInt global(Index local) const;
+  /// Copies the owned blocks of u and fetches the halo: size() * dim values. Collective.
+  void gather(Vec u, std::vector<double>& blocks) const;
+  /// The same for flat per-row data of any number of components per row. Collective.
+  void fetch(std::span<const double> owned, int components, std::vector<double>& all) const;
+
+private:
+  Rows rows_;
+  std::vector<PetscInt> halo_; ///< global rows, ascending
+  SfHandle sf_;
+};
+} // namespace pdx::field

@@ -1,0 +1,39 @@
+#pragma once
+#include "pdx/field/block_adder.hpp"
+#include "pdx/field/rows.hpp"
+
+namespace pdx::field {
+/// One physical contribution to the residual (elements, bonds, carried bonds). Solvers know Terms, never physics.
+/// Called once per evaluation, never per bond or cell. Local blocks are [owned | halo], dim values per row.
+class Term {
+public:
+  virtual ~Term() = default;
+
+  /// Global rows of other ranks that this Term reads or couples with.
+  virtual void needed_rows(std::vector<PetscInt>& rows) const = 0;
+  /// Called once, when the halo is known: translate global rows into local ones here.
+  virtual void bind(const RowHalo& halo) = 0;
+
+  /// r += internal force [N] of the owned rows at displacement u [m].
+  /// @param u halo.size() * dim   @param r owned * dim
+  virtual void add_residual(std::span<const double> u, std::span<double> r) const = 0;
+  /// Strain energy of what this rank counts as its own [J]; the sum over ranks is the Term's energy.
+  virtual double energy(std::span<const double> u) const = 0;
+
+  /// Fixes the state at which tangents are taken. Called before the three below.
+  virtual void linearise(std::span<const double> u) { (void)u; }
+  /// The sparse part of the tangent: everything if `whole`, else only what `add_tangent_action` leaves out.
+  virtual void couplings(Couplings& couplings, bool whole) const = 0;
+  virtual void add_jacobian(BlockAdder& adder, bool whole) const = 0;
+  /// y += (rest of the tangent) x without a matrix. x, y: owned * dim; x is zero at prescribed components.
+  virtual void add_tangent_action(std::span<const double> x, std::span<double> y) const
+  {
+    (void)x;
+    (void)y;
+  }
+  /// True if the tangent does not depend on u: it is then built once.
+  virtual bool constant_jacobian() const { return false; }
+  /// True if the tangent is symmetric.
+  virtual bool symmetric() const { return true; }
+};
+} // namespace pdx::field

@@ -1,0 +1,26 @@
+#pragma once
+#include "pdx/base/options.hpp"
+#include "pdx/mesh/mesh.hpp"
+
+#include <functional>
+
+namespace pdx::mesh {
+/// What a user may say about the mesh: `-mesh_lower x,y -mesh_upper x,y -mesh_cells nx,ny` (box), or `-mesh_file`
+/// (Gmsh).
+struct MeshOptions {
+  std::string file;                 ///< -mesh_file    Gmsh file of four-node cells; "" for a box
+  geom::Box<2> box;                 ///< -mesh_lower, -mesh_upper [m]
+  std::array<Index, 2> cells{0, 0}; ///< -mesh_cells   cells per direction of a box; 0,0 if not given
+  static MeshOptions read();        ///< parses; throws UserError for what can never be right
+};
+
+/// Cost of a cell, from its corners (counter-clockwise), in any unit; must be above 0.
+using CellCost = std::function<int(const std::array<Vector<2>, 4>&)>;
+
+/// Makes the mesh, cuts it with the chosen PetscPartitioner (METIS by default) and flattens it. Collective.
+/// Throws UserError, alike on every rank, for a missing or broken file, triangles, or zero cells.
+Mesh build(MPI_Comm comm, const MeshOptions& options, const CellCost& cost);
+
+/// Registers the PetscPartitioner type "metis" (idempotent). Collective.
+void register_metis_partitioner();
+} // namespace pdx::mesh

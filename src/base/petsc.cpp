@@ -1,0 +1,43 @@
+#include "pdx/base/petsc.hpp"
+
+#include <exception>
+
+namespace pdx {
+namespace {
+std::string first_message;
+std::exception_ptr kept;
+
+PetscErrorCode remember(MPI_Comm, int, const char* function, const char*, PetscErrorCode code, PetscErrorType type,
+                        const char* message, void*)
+{
+  if (type == PETSC_ERROR_INITIAL && first_message.empty())
+    first_message = std::string(function ? function : "PETSc") + ": " + (message ? message : "unknown error");
+  return code;
+}
+} // namespace
+
+std::string take_petsc_message() { return std::exchange(first_message, {}); }
+
+void install_quiet_error_handler() { PDX_CALL(PetscPushErrorHandler(remember, nullptr)); }
+
+void keep_exception() noexcept
+{
+  if (!kept) kept = std::current_exception();
+}
+
+void check(PetscErrorCode code, const char* call, const char* file, int line)
+{
+  if (!code) [[likely]]
+    return;
+  if (kept) {
+    (void)take_petsc_message();
+    std::rethrow_exception(std::exchange(kept, nullptr));
+  }
+  std::string message = take_petsc_message();
+  for (char& c : message)
+    if (c == '\n') c = ' ';
+  const char* name = nullptr;
+  if (message.empty() && !PetscErrorMessage(code, &name, nullptr) && name) message = name;
+  throw PetscFailure(message + " [" + file + ":" + std::to_string(line) + ": " + call + "]");
+}
+} // namespace pdx
