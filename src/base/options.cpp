@@ -1,0 +1,287 @@
+#include "pdx/base/options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace pdx {
+namespace {
+std::vector<OptionDoc>& documents()
+{
+  static std::vector<OptionDoc> all;
+  return all;
+}
+
+std::vector<std::string> split(const std::string& text)
+{
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  for (std::size_t end = text.find(','); end != std::string::npos; end = text.find(',', begin)) {
+    parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  parts.push_back(text.substr(begin));
+  for (std::string& part : parts) {
+    part.erase(0, part.find_first_not_of(" \t"));
+    part.erase(part.find_last_not_of(" \t") + 1);
+  }
+  return parts;
+}
+
+template <class T> T parse(const std::string& name, const std::string& text, const char* what)
+{
+  T value{};
+  const char* begin = text.c_str() + (text.size() > 1 && text[0] == '+' ? 1 : 0);
+  const char* end = text.c_str() + text.size();
+  const auto result = std::from_chars(begin, end, value);
+  if (result.ec != std::errc{} || result.ptr != end)
+    throw UserError(fmt::format("{} is \"{}\": must be {}", name, text, what));
+  return value;
+}
+
+std::string describe(const Range& range)
+{
+  const bool low = std::isfinite(range.lower), high = std::isfinite(range.upper);
+  if (low && high)
+    return fmt::format("{} {} and at most {}", range.open_lower ? "above" : "at least", range.lower, range.upper);
+  if (low) return fmt::format("{} {}", range.open_lower ? "above" : "at least", range.lower);
+  if (high) return fmt::format("at most {}", range.upper);
+  return "any number";
+}
+
+void require_range(const std::string& name, double value, const char* unit, const Range& range)
+{
+  const bool inside = (range.open_lower ? value > range.lower : value >= range.lower) && value <= range.upper;
+  if (!std::isfinite(value)) throw UserError(fmt::format("{} is {}: must be a finite number", name, value));
+  if (!inside)
+    throw UserError(fmt::format("{} is {}: must be {}{}{}", name, value, describe(range), *unit ? " " : "", unit));
+}
+
+double parse_real(const std::string& name, const std::string& text, const char* unit, const Range& range)
+{
+  const double value = parse<double>(name, text, "a number");
+  require_range(name, value, unit, range);
+  return value;
+}
+
+int parse_integer(const std::string& name, const std::string& text, const Range& range)
+{
+  const int value = parse<int>(name, text, "a whole number");
+  require_range(name, value, "", range);
+  return value;
+}
+
+void require_count(const std::string& name, std::size_t got, std::size_t wanted)
+{
+  if (wanted && got != wanted)
+    throw UserError(
+        fmt::format("{} has {} values: must have {}, separated by commas without blanks", name, got, wanted));
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b)
+{
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t change = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, change});
+    }
+  }
+  return row[b.size()];
+}
+
+bool petsc_family(std::string_view name)
+{
+  static constexpr std::string_view families[] = {"snes_",
+                                                  "ksp_",
+                                                  "pc_",
+                                                  "mg_",
+                                                  "mat_",
+                                                  "vec_",
+                                                  "ts_",
+                                                  "tao_",
+                                                  "dm_",
+                                                  "sf_",
+                                                  "is_",
+                                                  "log_",
+                                                  "malloc",
+                                                  "memory_",
+                                                  "options_",
+                                                  "info",
+                                                  "on_error",
+                                                  "error_",
+                                                  "fp_",
+                                                  "debug",
+                                                  "viewer_",
+                                                  "petscpartitioner_",
+                                                  "sub_",
+                                                  "fieldsplit_",
+                                                  "esteig_",
+                                                  "use_gpu",
+                                                  "help",
+                                                  "version",
+                                                  "nox",
+                                                  "x_",
+                                                  "draw_",
+                                                  "citations",
+                                                  "no_signal",
+                                                  "check_pointer",
+                                                  "start_in_debugger",
+                                                  "stop_for_debugger",
+                                                  "skip_petscrc",
+                                                  "prefix_",
+                                                  "python",
+                                                  "saws",
+                                                  "cuda",
+                                                  "get_total_flops",
+                                                  "mpiuni",
+                                                  "objects_dump",
+                                                  "history",
+                                                  "not_shared_tmp",
+                                                  "shared_tmp",
+                                                  "blas_"};
+  return std::any_of(std::begin(families), std::end(families),
+                     [&](std::string_view family) { return name.starts_with(family); });
+}
+} // namespace
+
+std::optional<std::string> Options::find(const std::string& name) const
+{
+  const char* value = nullptr;
+  PetscBool set = PETSC_FALSE;
+  PDX_CALL(PetscOptionsFindPair(nullptr, nullptr, name.c_str(), &value, &set));
+  if (!set) return std::nullopt;
+  return std::string(value ? value : "");
+}
+
+void Options::document(const std::string& name, const char* unit, std::string default_value, std::string allowed,
+                       const char* help)
+{
+  auto& all = documents();
+  if (std::none_of(all.begin(), all.end(), [&](const OptionDoc& d) { return d.name == name; }))
+    all.push_back({room_, name, unit, std::move(default_value), std::move(allowed), help});
+}
+
+bool Options::given(const std::string& name) const { return find(name).has_value(); }
+
+double Options::real(const std::string& name, double value, const char* unit, const char* help, Range range)
+{
+  document(name, unit, std::isnan(value) ? "none" : fmt::format("{}", value), describe(range), help);
+  const auto text = find(name);
+  return text ? parse_real(name, *text, unit, range) : value;
+}
+
+int Options::integer(const std::string& name, int value, const char* help, Range range)
+{
+  document(name, "", fmt::format("{}", value), describe(range), help);
+  const auto text = find(name);
+  return text ? parse_integer(name, *text, range) : value;
+}
+
+bool Options::boolean(const std::string& name, bool value, const char* help)
+{
+  document(name, "", value ? "true" : "false", "true, false", help);
+  const auto text = find(name);
+  if (!text) return value;
+  for (const char* yes : {"", "true", "1", "yes", "on"})
+    if (*text == yes) return true;
+  for (const char* no : {"false", "0", "no", "off"})
+    if (*text == no) return false;
+  throw UserError(fmt::format("{} is \"{}\": must be true or false", name, *text));
+}
+
+std::string Options::text(const std::string& name, std::string value, const char* help)
+{
+  document(name, "", value.empty() ? "none" : value, "text", help);
+  const auto text = find(name);
+  if (text && text->empty()) throw UserError(fmt::format("{} has no value: give one", name));
+  return text ? *text : value;
+}
+
+int Options::choice(const std::string& name, int value, std::span<const char* const> allowed, const char* help)
+{
+  const std::string list = fmt::format("{}", fmt::join(allowed, ", "));
+  document(name, "", allowed[static_cast<std::size_t>(value)], list, help);
+  const auto text = find(name);
+  if (!text) return value;
+  std::size_t best = 0, distance = std::string::npos;
+  for (std::size_t k = 0; k < allowed.size(); ++k) {
+    if (*text == allowed[k]) return static_cast<int>(k);
+    const std::size_t d = edit_distance(*text, allowed[k]);
+    if (d < distance) best = k, distance = d;
+  }
+  throw UserError(fmt::format("{} is \"{}\": must be one of {}; did you mean {}?", name, *text, list, allowed[best]));
+}
+
+std::vector<double> Options::reals(const std::string& name, std::vector<double> value, std::size_t count,
+                                   const char* unit, const char* help, Range range)
+{
+  document(name, unit, value.empty() ? "none" : fmt::format("{}", fmt::join(value, ",")), describe(range), help);
+  const auto text = find(name);
+  if (!text) return value;
+  const auto parts = split(*text);
+  require_count(name, parts.size(), count);
+  value.clear();
+  for (const std::string& part : parts) value.push_back(parse_real(name, part, unit, range));
+  return value;
+}
+
+std::vector<int> Options::integers(const std::string& name, std::vector<int> value, std::size_t count, const char* help,
+                                   Range range)
+{
+  document(name, "", value.empty() ? "none" : fmt::format("{}", fmt::join(value, ",")), describe(range), help);
+  const auto text = find(name);
+  if (!text) return value;
+  const auto parts = split(*text);
+  require_count(name, parts.size(), count);
+  value.clear();
+  for (const std::string& part : parts) value.push_back(parse_integer(name, part, range));
+  return value;
+}
+
+std::vector<std::string> Options::texts(const std::string& name, std::vector<std::string> value, const char* help)
+{
+  document(name, "", value.empty() ? "none" : fmt::format("{}", fmt::join(value, ",")), "texts", help);
+  const auto text = find(name);
+  if (!text) return value;
+  value = split(*text);
+  if (std::any_of(value.begin(), value.end(), [](const std::string& part) { return part.empty(); }))
+    throw UserError(fmt::format("{} is \"{}\": an item is empty; separate items by one comma", name, *text));
+  return value;
+}
+
+const std::vector<OptionDoc>& documented_options() { return documents(); }
+
+std::string nearest_option(std::string_view name)
+{
+  std::string best;
+  std::size_t distance = std::max<std::size_t>(3, name.size() / 2);
+  for (const OptionDoc& doc : documents()) {
+    const std::size_t d = edit_distance(name, doc.name);
+    if (d < distance) best = doc.name, distance = d;
+  }
+  return best;
+}
+
+void refuse_unknown_options()
+{
+  PetscInt count = 0;
+  char** names = nullptr;
+  char** values = nullptr;
+  PDX_CALL(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+  std::string unknown;
+  for (PetscInt k = 0; k < count && unknown.empty(); ++k)
+    if (!petsc_family(names[k])) unknown = std::string("-") + names[k];
+  PDX_CALL(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  if (unknown.empty()) return;
+  const std::string nearest = nearest_option(unknown);
+  throw UserError(nearest.empty() ? fmt::format("{} is no option of pdxsolve: see pdxsolve -help", unknown)
+                                  : fmt::format("{} is no option of pdxsolve: did you mean {}?", unknown, nearest));
+}
+} // namespace pdx
