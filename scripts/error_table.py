@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+"""Prints the errors and costs of runs, from their summary.json, beside the errors a paper quotes."""
+
+import argparse
+import json
+import pathlib
+import sys
+
+COLUMNS = ("run", "ranks", "unknowns", "max error %", "mean error %", "paper max %", "iterations", "solve s")
+
+
+def row(run):
+    """One table row of `name:paper's maximum error in %:output directory`."""
+    name, paper, directory = run.split(":", 2)
+    path = pathlib.Path(directory) / "summary.json"
+    summary = json.loads(path.read_text(encoding="utf-8"))
+    results = summary["results"]
+    return (
+        name,
+        str(summary["ranks"]),
+        str(summary["unknowns"]["total"]),
+        f"{results['max_relative_error_percent']:.4g}",
+        f"{results['mean_relative_error_percent']:.4g}",
+        paper,
+        str(summary["linear_iterations"]),
+        f"{summary['wall_seconds']['solve']:.2f}",
+    )
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("runs", nargs="+", metavar="NAME:PAPER_PERCENT:OUT_DIR")
+    arguments = parser.parse_args()
+    try:
+        table = [COLUMNS] + [row(run) for run in arguments.runs]
+    except (OSError, ValueError, KeyError) as error:
+        sys.exit(f"error_table: {type(error).__name__}: {error}")
+    widths = [max(len(line[i]) for line in table) for i in range(len(COLUMNS))]
+    for line in table:
+        print("  ".join(cell.rjust(width) for cell, width in zip(line, widths)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# Style, as CI sees it: style.sh [format] [layers] [tidy] (default: all three).
+#   format   clang-format over all C++ files, nothing is rewritten
+#   layers   who includes whom, the map of the rooms, lengths of files
+#   tidy     clang-tidy over C++ files changed since CI_BASE (default: three commits ago), at most 12
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+readonly tidy_limit=12
+
+check_format() {
+  find src include tests -name '*.cpp' -o -name '*.hpp' | sort | xargs clang-format-14 --dry-run -Werror
+  echo "style: format is right"
+}
+
+check_layers() {
+  python3 scripts/check_layers.py --self-test
+  python3 scripts/check_layers.py
+}
+
+# The commit to compare with: CI_BASE, else three commits ago, else (short history) the first commit there is.
+base_commit() {
+  git rev-parse --verify --quiet "${CI_BASE:-HEAD~3}^{commit}" || git rev-list --max-parents=0 HEAD | tail -n 1
+}
+
+# Source files through which every changed C++ file is seen: itself, or the first .cpp that includes a header.
+changed_sources() {
+  local file
+  git diff --name-only --diff-filter=d "$(base_commit)" -- '*.cpp' '*.hpp' | while read -r file; do
+    case $file in
+      *.cpp) echo "$file" ;;
+      include/*) git grep -lF "\"${file#include/}\"" -- 'src/*.cpp' 'tests/*.cpp' | head -n 1 || true ;;
+    esac
+  done | sort -u
+}
+
+check_tidy() {
+  local build=build/release known sources
+  [ -f $build/compile_commands.json ] || cmake --preset release -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >/dev/null
+  known=$(changed_sources | while read -r file; do
+    if grep -qF "/$file\"" $build/compile_commands.json; then echo "$file"; fi
+  done)
+  sources=$(head -n $tidy_limit <<<"$known")
+  if [ -z "$sources" ]; then
+    echo "style: no C++ file changed, nothing for clang-tidy"
+    return
+  fi
+  echo "style: clang-tidy over $(wc -l <<<"$sources") of $(wc -l <<<"$known") changed sources"
+  xargs -P "$(nproc)" -n 1 clang-tidy-14 --quiet -p $build <<<"$sources" 2>/dev/null
+}
+
+[ $# -gt 0 ] || set -- format layers tidy
+for step in "$@"; do
+  case $step in
+    format | layers | tidy) "check_$step" ;;
+    *) echo "style: unknown step '$step'; steps are format, layers, tidy" >&2; exit 1 ;;
+  esac
+done
