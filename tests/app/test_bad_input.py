@@ -1,0 +1,258 @@
+"""Mistakes in the input, through the program: exit status 1 and one line that says how to mend it, on 1 and 2 ranks.
+
+Usage: test_bad_input.py PDXSOLVE [unittest arguments]. Each row of CASES changes a run that is right (which is tested
+to be right) in one way, and says what the line on stderr must name. The environment lets Open MPI run (ctest sets it;
+by hand: `. scripts/mpi_env.sh`).
+"""
+
+import concurrent.futures
+import dataclasses
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+TIMEOUT = 60  # [s] longer is a hang
+RANKS = (1, 2)
+
+PLATE = {
+    "-case": "bad_input",
+    "-mesh_lower": "0,0",
+    "-mesh_upper": "1,1",
+    "-mesh_cells": "4,4",
+    "-material_young": "1e9",
+    "-material_poisson": "0.3333333333333333",
+    "-bc_names": "left,right",
+    "-bc_left_on": "left",
+    "-bc_left_displacement": "0,0",
+    "-bc_right_on": "right",
+    "-bc_right_traction": "1e5,0",
+    "-quiet": "",
+}
+# The patch covers the inner 2 x 2 cells: sides of 0.5 m, 10 particles along each.
+PATCH = PLATE | {"-pd_patches": "0.25,0.25,0.75,0.75", "-pd_spacing": "0.05", "-pd_horizon_ratio": "3.015"}
+# The same plate from a file: no box options.
+FILE = {key: value for key, value in PLATE.items() if key not in ("-mesh_lower", "-mesh_upper", "-mesh_cells")}
+
+NODES = "$Nodes\n6\n1 0 0 0\n2 0.5 0 0\n3 1 0 0\n4 0 1 0\n5 0.5 1 0\n6 1 1 0\n$EndNodes\n"
+GMSH_HEAD = (
+    '$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 1 "left"\n1 2 "right"\n2 3 "plate"\n$EndPhysicalNames\n'
+)
+SIDES = "1 1 2 1 1 4 1\n2 1 2 2 2 3 6\n"
+FILES = {
+    "right.msh": GMSH_HEAD + NODES + f"$Elements\n4\n{SIDES}3 3 2 3 1 1 2 5 4\n4 3 2 3 1 2 3 6 5\n$EndElements\n",
+    "triangles.msh": GMSH_HEAD
+    + NODES
+    + f"$Elements\n6\n{SIDES}3 2 2 3 1 1 2 5\n4 2 2 3 1 1 5 4\n5 2 2 3 1 2 3 6\n6 2 2 3 1 2 6 5\n$EndElements\n",
+    "truncated.msh": GMSH_HEAD + NODES + f"$Elements\n4\n{SIDES}3 3 2 3",
+    "no_nodes.msh": GMSH_HEAD,
+    "garbage.msh": "This is a letter, not a mesh.\nIt has two lines.\n",
+    "empty.msh": "",
+    "no_dash.opts": "-mesh_cells 4,4\nmaterial_young 1e9\n",
+    "blocker": "a regular file\n",
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Case:
+    """A run that must be refused: `change` of `base` (None takes an option away), and what the line must match."""
+
+    name: str
+    change: dict
+    pattern: str
+    base: dict = dataclasses.field(default_factory=lambda: PLATE)
+
+    def arguments(self, directory):
+        options = {"-output_dir": "{dir}/out"} | self.base | self.change
+        words = []
+        for key, value in options.items():
+            if value is not None:
+                words += [key] + ([value.replace("{dir}", directory)] if value else [])
+        return words
+
+
+def plate(name, pattern, **change):
+    """A case on the plate of elements; keyword `mesh_cells` is option `-mesh_cells`."""
+    return Case(name, {f"-{key}": value for key, value in change.items()}, pattern)
+
+
+def patch(name, pattern, **change):
+    """A case on the plate with a patch."""
+    return Case(name, {f"-{key}": value for key, value in change.items()}, pattern, PATCH)
+
+
+def from_file(name, pattern, file):
+    """A case on the plate read from a file."""
+    return Case(name, {"-mesh_file": file}, pattern, FILE)
+
+
+CASES = [
+    # --- names
+    plate("misspelt option", r"-mesh_cels\b.*-mesh_cells\b", mesh_cels="4,4"),
+    plate("misspelt option in place of a needed one", r"-material_young\b", material_young=None, material_yuong="1e9"),
+    plate("misspelt prefix", r"-msh_cells\b.*-mesh_cells\b", msh_cells="4,4"),
+    plate("option without a room", r"-young\b", young="1e9"),
+    plate("option of a condition that is not listed", r"-bc_top_traction\b", bc_top_traction="1,0"),
+    plate("misspelt option of a condition", r"-bc_right_tracton\b.*-bc_right_traction\b", bc_right_tracton="1,0"),
+    # --- words from a list
+    plate("misspelt plane", r"-material_plane\b.*stres\b.*stress", material_plane="stres"),
+    plate("unknown kinematics", r"-kinematics\b.*small.*finite.*mixed", kinematics="huge"),
+    patch("unknown micromodulus", r"-pd_micromodulus\b.*uniform.*conical", pd_micromodulus="cubic"),
+    patch("unknown calibration", r"-pd_calibration\b.*lattice.*continuum", pd_calibration="none"),
+    patch("unknown surface correction", r"-pd_surface_correction\b.*auto.*none.*volume", pd_surface_correction="area"),
+    patch("unknown operator", r"-pd_operator\b.*auto.*matrix_free.*assembled", pd_operator="dense"),
+    patch("unknown coupling", r"-couple_scheme\b.*energy.*ghost.*interface", couple_scheme="nonsense"),
+    plate("neither true nor false", r"-output_fields\b.*perhaps.*true.*false", output_fields="perhaps"),
+    plate("neither true nor false in history", r"-output_history\b.*2.*true.*false", output_history="2"),
+    plate("unknown partitioner", r"partitioner.*nonsense", petscpartitioner_type="nonsense"),
+    plate("unknown linear solver", r"nonsense", ksp_type="nonsense"),
+    # --- numbers
+    plate("Young's modulus below zero", r"-material_young\b.*-1e\+?0?9.*above 0", material_young="-1e9"),
+    plate("Young's modulus zero", r"-material_young\b.*above 0", material_young="0"),
+    plate("Young's modulus not a number", r"-material_young\b.*\bnan", material_young="nan"),
+    plate("Young's modulus infinite", r"-material_young\b.*\binf", material_young="inf"),
+    plate("Young's modulus a word", r"-material_young\b.*steel.*number", material_young="steel"),
+    plate("Young's modulus with a unit", r"-material_young\b.*70GPa.*number", material_young="70GPa"),
+    plate("Young's modulus without a value", r"-material_young\b", material_young=""),
+    plate("no Young's modulus", r"-material_young\b", material_young=None),
+    plate("no Poisson's ratio", r"-material_poisson\b", material_poisson=None),
+    plate("incompressible", r"-material_poisson\b.*0\.5", material_poisson="0.5"),
+    plate("Poisson's ratio below -1", r"-material_poisson\b.*-1\.5", material_poisson="-1.5"),
+    plate("thickness zero", r"-material_thickness\b.*above 0", material_thickness="0"),
+    plate("load steps zero", r"-load_steps\b.*0.*at least 1", load_steps="0"),
+    plate("load steps not whole", r"-load_steps\b.*2\.5.*whole", load_steps="2.5"),
+    # --- mesh
+    plate("no mesh at all", r"-mesh_cells\b", mesh_lower=None, mesh_upper=None, mesh_cells=None),
+    plate("zero cells", r"-mesh_cells\b.*0", mesh_cells="0,4"),
+    plate("negative cells", r"-mesh_cells\b.*-4", mesh_cells="4,-4"),
+    plate("one number of cells", r"-mesh_cells\b.*2", mesh_cells="4"),
+    plate("cells not whole", r"-mesh_cells\b.*4\.5.*whole", mesh_cells="4.5,4"),
+    plate("more cells than can be counted", r"-mesh_cells\b", mesh_cells="100000,100000"),
+    plate("lower above upper", r"-mesh_(lower|upper)\b", mesh_lower="2,0"),
+    plate("box without height", r"-mesh_(lower|upper)\b", mesh_upper="1,0"),
+    plate("corner not a number", r"-mesh_upper\b.*nan", mesh_upper="nan,1"),
+    plate("corner with three coordinates", r"-mesh_lower\b.*3.*2", mesh_lower="0,0,0"),
+    from_file("missing mesh file", r"nowhere\.msh", "{dir}/nowhere.msh"),
+    from_file("mesh file is a directory", r"-mesh_file\b|\{dir\}", "{dir}"),
+    from_file("truncated mesh file", r"truncated\.msh", "{dir}/truncated.msh"),
+    from_file("mesh file that ends after its header", r"no_nodes\.msh", "{dir}/no_nodes.msh"),
+    from_file("triangles", r"triangles\.msh.*(four|quad)", "{dir}/triangles.msh"),
+    from_file("text instead of a mesh", r"garbage\.msh", "{dir}/garbage.msh"),
+    from_file("empty mesh file", r"empty\.msh", "{dir}/empty.msh"),
+    # --- patches
+    patch("patch outside the mesh", r"-pd_patches\b.*(outside|inside|mesh)", pd_patches="2,2,3,3"),
+    patch("patch half outside the mesh", r"-pd_patches\b.*(outside|inside|mesh)", pd_patches="0.5,0.25,1.5,0.75"),
+    patch("patch that cuts elements", r"-pd_patches\b.*(element|cell|edge)", pd_patches="0.3,0.25,0.75,0.75"),
+    patch("patch without width", r"-pd_patches\b", pd_patches="0.25,0.25,0.25,0.75"),
+    patch("patch inside out", r"-pd_patches\b", pd_patches="0.75,0.75,0.25,0.25"),
+    patch("three numbers for a patch", r"-pd_patches\b.*3", pd_patches="0.25,0.25,0.75"),
+    patch("patch with a word in it", r"-pd_patches\b.*\bsome\b", pd_patches="some"),
+    patch("overlapping patches", r"-pd_patches\b.*(overlap|touch|apart)",
+          pd_patches="0.25,0.25,0.75,0.75,0.5,0.5,1,1"),
+    patch("touching patches", r"-pd_patches\b.*(overlap|touch|apart)",
+          pd_patches="0.25,0.25,0.5,0.75,0.5,0.25,0.75,0.75"),
+    patch("patch without a spacing", r"-pd_spacing\b", pd_spacing=None),
+    patch("negative spacing", r"-pd_spacing\b.*above 0", pd_spacing="-0.05"),
+    patch("zero spacing", r"-pd_spacing\b.*above 0", pd_spacing="0"),
+    patch("spacing not a number", r"-pd_spacing\b.*nan", pd_spacing="nan"),
+    patch("spacing that does not divide the side", r"-pd_spacing\b.*0\.06\b.*0\.0625\b", pd_spacing="0.06"),
+    patch("two spacings for one patch", r"-pd_spacing\b.*2", pd_spacing="0.05,0.05"),
+    patch("horizon below the spacing", r"-pd_horizon_ratio\b.*0\.5.*1", pd_horizon_ratio="0.5"),
+    patch("horizon beyond the bond word", r"horizon", pd_horizon_ratio="1000"),
+    patch("Poisson's ratio that bonds cannot have", r"-material_poisson\b.*0\.2\b.*(1/3|0\.333)",
+          material_poisson="0.2"),
+    patch("plane strain at 1/3 with bonds", r"-material_poisson\b.*(1/4|0\.25)", material_plane="strain"),
+    patch("all peridynamic at a wrong Poisson's ratio", r"-material_poisson\b.*(1/3|0\.333)", pd_patches="all",
+          material_poisson="0.2"),
+    # --- boundary conditions
+    plate("unknown boundary", r"-bc_left_on\b.*lefft.*\bleft\b.*\bright\b|-bc_left_on\b.*lefft.*\bright\b.*\bleft\b",
+          bc_left_on="lefft"),
+    plate("condition that prescribes nothing", r"-bc_right_", bc_right_traction=None),
+    plate("condition listed but not described", r"-bc_top_", bc_names="left,right,top"),
+    plate("condition listed twice", r"-bc_names\b.*left", bc_names="left,left,right"),
+    plate("condition without a place", r"-bc_right_(on|box)\b", bc_right_on=None),
+    plate("box that selects nothing", r"-bc_left_box\b", bc_left_on=None, bc_left_box="2,2,3,3"),
+    plate("box of three numbers", r"-bc_left_box\b.*3.*4", bc_left_on=None, bc_left_box="0,0,1"),
+    plate("traction not a number", r"-bc_right_traction\b.*nan", bc_right_traction="nan,0"),
+    plate("traction of one component", r"-bc_right_traction\b.*2", bc_right_traction="1e5"),
+    plate("displacement of three components", r"-bc_left_displacement\b.*3.*2", bc_left_displacement="0,0,0"),
+    plate("misspelt free", r"-bc_left_displacement\b.*fre\b.*free", bc_left_displacement="0,fre"),
+    plate("point force outside the mesh", r"-bc_right_at\b", bc_right_on=None, bc_right_traction=None,
+          bc_right_force="1,0", bc_right_at="2,2"),
+    plate("point force without a point", r"-bc_right_at\b", bc_right_on=None, bc_right_traction=None,
+          bc_right_force="1,0"),
+    plate("no condition at all", r"-bc_names\b|-bc_\w*displacement", bc_names=None, bc_left_on=None,
+          bc_left_displacement=None, bc_right_on=None, bc_right_traction=None),
+    plate("plate that nothing holds", r"displacement|held|support", bc_names="right", bc_left_on=None,
+          bc_left_displacement=None),
+    plate("plate that can slide", r"slide|move|rigid|held|support", bc_left_displacement="0,free"),
+    plate("plate that can rotate", r"rotat|turn|rigid|held|support", bc_left_on=None,
+          bc_left_box="-0.1,-0.1,0.1,0.1"),
+    # --- files
+    plate("missing options file", r"nowhere\.opts", options_file="{dir}/nowhere.opts"),
+    plate("options file with a line without a dash", r"no_dash\.opts|material_young", options_file="{dir}/no_dash.opts",
+          material_young=None),
+    plate("output directory below a regular file", r"blocker", output_dir="{dir}/blocker/out"),
+    plate("output directory is a regular file", r"blocker", output_dir="{dir}/blocker"),
+]
+
+GOOD = [
+    Case("plate", {}, "", PLATE),
+    Case("plate with a patch", {}, "", PATCH),
+    Case("plate from a file", {"-mesh_file": "{dir}/right.msh"}, "", FILE),
+    Case("traction and displacement on one boundary", {"-bc_left_traction": "0,1e5"}, "", PLATE),
+]
+
+
+def run(case, ranks):
+    """Runs the program in a directory of its own: (exit status or None for a hang, stdout, lines of stderr)."""
+    with tempfile.TemporaryDirectory() as directory:
+        for name, text in FILES.items():
+            (pathlib.Path(directory) / name).write_text(text, encoding="utf-8")
+        launcher = ["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []
+        command = launcher + [PROGRAM] + case.arguments(directory)
+        with subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=directory
+        ) as process:
+            try:
+                out, err = process.communicate(timeout=TIMEOUT)
+                status = process.returncode
+            except subprocess.TimeoutExpired:
+                process.terminate()  # mpirun takes its ranks along
+                out, err = process.communicate()
+                status = None
+    return status, out, [line.replace(directory, "{dir}") for line in err.splitlines() if line.strip()]
+
+
+def run_all(cases):
+    """Runs every case on every number of ranks, two at a time; yields (case, ranks, result of run)."""
+    jobs = [(case, ranks) for case in cases for ranks in RANKS]
+    with concurrent.futures.ThreadPoolExecutor(max_workers=2) as pool:
+        for job, result in zip(jobs, pool.map(lambda job: run(*job), jobs)):
+            yield *job, result
+
+
+class ThroughTheProgram(unittest.TestCase):
+    """Every failure is reported, not only the first."""
+
+    def test_runs_that_are_right_succeed(self):
+        for case, ranks, (status, _, lines) in run_all(GOOD):
+            with self.subTest(case=case.name, ranks=ranks):
+                self.assertEqual((status, lines), (0, []))
+
+    def test_mistakes_end_with_status_1_and_one_line(self):
+        for case, ranks, (status, out, lines) in run_all(CASES):
+            with self.subTest(case=case.name, ranks=ranks):
+                self.assertIsNotNone(status, f"still running after {TIMEOUT} s; stderr: {lines}")
+                self.assertEqual(status, 1, f"stderr: {lines}")
+                self.assertEqual(len(lines), 1, f"stderr: {lines}")
+                self.assertNotIn("PETSC ERROR", out + lines[0])
+                self.assertRegex(lines[0], case.pattern)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit("usage: test_bad_input.py PDXSOLVE [unittest arguments]")
+    PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
+    unittest.main()
