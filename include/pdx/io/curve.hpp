@@ -1,0 +1,32 @@
+#pragma once
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <mpi.h>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace pdx::io {
+/// One column of a curve: what it is and in which unit ("-" for plain numbers).
+struct Column {
+  std::string name, unit;
+};
+
+/// A table that grows row by row: `history.csv`, one row per accepted step, on disk as soon as it is written.
+/// Numbers are the shortest that read back to the same double.
+class Curve {
+public:
+  /// Creates the file with its header "name [unit],...". Throws UserError on every rank if it cannot. Collective.
+  Curve(MPI_Comm comm, std::filesystem::path path, const std::vector<Column>& columns);
+  /// Adds a row; rank 0's values count. Throws SolverFailure on every rank if the disk refuses. Collective.
+  /// @param values one per column
+  void row(std::span<const double> values);
+
+private:
+  MPI_Comm comm_;
+  std::filesystem::path path_;
+  std::size_t columns_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_; ///< open on rank 0 only
+};
+} // namespace pdx::io

@@ -1,0 +1,33 @@
+#pragma once
+#include "pdx/field/output_field.hpp"
+#include "pdx/io/hdf5_file.hpp"
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace pdx::io {
+/// The pictures of a run: `fields.h5` with one group per step, `/step000000/{block}/{points,cells,natural_point,
+/// <field>}`, so sizes may change from step to step, and `fields.xdmf`, which tells ParaView how to read it.
+/// Both are complete after every step: a killed run leaves a readable pair.
+/// A dataset is named after its field without the unit ("displacement [m]" -> "displacement"); the unit is its
+/// attribute "unit". Blocks without points on any rank are left out.
+class FieldsFile {
+public:
+  /// Creates the directory and the file. Throws UserError on every rank if it cannot. Collective.
+  FieldsFile(MPI_Comm comm, const std::filesystem::path& directory);
+
+  /// Adds one step. Blocks and fields have the same names and order on every rank; ranks may own no points.
+  /// Throws std::logic_error on every rank if a size does not fit its block. Collective.
+  /// @param time time [s], or the load factor [-] of a static run
+  void write(double time, std::span<const field::OutputBlock> blocks);
+  int steps() const { return steps_; } ///< steps written so far
+
+private:
+  MPI_Comm comm_;
+  std::filesystem::path directory_;
+  Hdf5File file_;
+  int steps_ = 0;
+  std::string xdmf_; ///< entries of all steps so far
+};
+} // namespace pdx::io

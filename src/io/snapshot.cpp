@@ -1,0 +1,131 @@
+#include "pdx/io/snapshot.hpp"
+
+#include "pdx/base/events.hpp"
+#include "pdx/io/agree.hpp"
+#include "pdx/io/xdmf.hpp"
+
+#include <array>
+#include <fmt/format.h>
+#include <numeric>
+#include <stdexcept>
+
+namespace pdx::io {
+namespace {
+constexpr const char* kDataFile = "fields.h5";
+constexpr const char* kXdmfFile = "fields.xdmf";
+
+std::size_t cell_count(const field::OutputBlock& block)
+{
+  return block.quadrilaterals ? block.cells.size() / 4 : block.natural_point.size();
+}
+
+bool consistent(const field::OutputBlock& block)
+{
+  const std::size_t points = block.natural_point.size();
+  bool ok = block.points.size() == 3 * points && block.cells.size() % 4 == 0;
+  for (const field::OutputField& field : block.fields)
+    ok = ok &&
+         field.values.size() == static_cast<std::size_t>(field.rank) * (field.on_cells ? cell_count(block) : points);
+  return ok;
+}
+
+/// "displacement [m]" in two: the name fit for a dataset, and what stands in the brackets.
+struct NameAndUnit {
+  std::string name, unit;
+};
+NameAndUnit split(const std::string& full)
+{
+  const auto open = full.find('['), close = full.rfind(']');
+  NameAndUnit parts{full.substr(0, open), ""};
+  if (open != std::string::npos && close != std::string::npos && close > open)
+    parts.unit = full.substr(open + 1, close - open - 1);
+  while (!parts.name.empty() && parts.name.back() == ' ') parts.name.pop_back();
+  for (char& c : parts.name)
+    if (c == ' ' || c == '/') c = '_';
+  return parts;
+}
+
+/// Sizes of a block over all ranks, and where ours begins.
+struct Extent {
+  std::int64_t points = 0, cells = 0, inconsistent = 0, first_point = 0;
+};
+std::vector<Extent> extents(MPI_Comm comm, std::span<const field::OutputBlock> blocks)
+{
+  std::vector<Extent> all;
+  for (const field::OutputBlock& block : blocks) {
+    const auto points = static_cast<std::int64_t>(block.natural_point.size());
+    std::array<std::int64_t, 3> sum{points, static_cast<std::int64_t>(cell_count(block)), !consistent(block)};
+    std::int64_t before = 0;
+    MPI_Exscan(&points, &before, 1, MPI_INT64_T, MPI_SUM, comm);
+    MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_INT64_T, MPI_SUM, comm);
+    all.push_back({sum[0], sum[1], sum[2], before});
+  }
+  for (std::size_t b = 0; b < all.size(); ++b)
+    if (all[b].inconsistent)
+      throw std::logic_error("output block '" + blocks[b].name +
+                             "': the size of a field does not fit its points or cells");
+  return all;
+}
+
+XdmfAttribute write_field(Hdf5File& file, const std::string& group, const field::OutputField& field)
+{
+  const NameAndUnit parts = split(field.name);
+  const std::string path = group + "/" + parts.name;
+  const int components = static_cast<int>(field.rank);
+  if (field.integer) {
+    const std::vector<int> values(field.values.begin(), field.values.end());
+    file.dataset(path, std::span<const int>(values), components);
+  } else
+    file.dataset(path, std::span<const double>(field.values), components);
+  file.attribute(path, "unit", parts.unit);
+  return {field.name, parts.name, components, field.on_cells, field.integer};
+}
+
+XdmfGrid write_block(Hdf5File& file, const std::string& step, const field::OutputBlock& block, const Extent& extent)
+{
+  XdmfGrid grid{block.name, step + "/" + block.name, extent.points, extent.cells, block.quadrilaterals, {}};
+  file.dataset(grid.group + "/points", std::span<const double>(block.points), 3);
+  file.dataset(grid.group + "/natural_point", std::span<const int>(block.natural_point), 1);
+  if (block.quadrilaterals)
+    file.dataset(grid.group + "/cells", std::span<const int>(block.cells), 4);
+  else {
+    std::vector<int> vertices(block.natural_point.size());
+    std::iota(vertices.begin(), vertices.end(), static_cast<int>(extent.first_point));
+    file.dataset(grid.group + "/cells", std::span<const int>(vertices), 1);
+  }
+  for (const field::OutputField& field : block.fields) grid.attributes.push_back(write_field(file, grid.group, field));
+  return grid;
+}
+
+std::filesystem::path made(MPI_Comm comm, const std::filesystem::path& directory)
+{
+  create_directory(comm, directory);
+  return directory;
+}
+} // namespace
+
+FieldsFile::FieldsFile(MPI_Comm comm, const std::filesystem::path& directory)
+    : comm_(comm), directory_(made(comm, directory)), file_(comm, directory_ / kDataFile)
+{}
+
+void FieldsFile::write(double time, std::span<const field::OutputBlock> blocks)
+{
+  const std::vector<Extent> sizes = extents(comm_, blocks);
+  const std::string step = fmt::format("/step{:06d}", steps_);
+  std::vector<XdmfGrid> grids;
+  {
+    static Event event("io_fields");
+    const Timed timed(event);
+    file_.group(step);
+    file_.attribute(step, "time", time);
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+      if (sizes[b].points > 0) grids.push_back(write_block(file_, step, blocks[b], sizes[b]));
+    file_.flush();
+  }
+  ++steps_;
+  static Event event("io_xdmf");
+  const Timed timed(event);
+  xdmf_ += xdmf_step(kDataFile, time, grids);
+  replace_file(comm_, directory_ / kXdmfFile, xdmf_document(xdmf_));
+}
+} // namespace pdx::io
