@@ -1,0 +1,111 @@
+#pragma once
+#include "pdx/fem/shape.hpp"
+#include "pdx/law/elastic.hpp"
+
+#include <cmath>
+
+namespace pdx::fem {
+/// small: linear strain of the reference shape. finite: Green-Lagrange strain with the same stiffness, i.e. a
+/// St Venant-Kirchhoff solid, which does not feel finite rotations.
+enum class Kinematics { small, finite };
+
+/// Displacements [m] or forces [N] of the corners: x and y of corner 1, then of corner 2, ...
+using ElementVector = Eigen::Matrix<double, 8, 1>;
+/// Tangent [N/m] in the same order.
+using ElementMatrix = Eigen::Matrix<double, 8, 8, Eigen::RowMajor>;
+
+/// Strain at a point of an element and how it varies with the corner displacements.
+struct PointStrain {
+  Tensor<2> deformation;                 ///< F = I + du/dX; I if small [-]
+  Eigen::Vector3d strain;                ///< (xx, yy, 2 xy) [-]
+  Eigen::Matrix<double, 3, 8> variation; ///< d strain / d displacement [1/m]
+};
+
+/// Small: e = sym(du/dX). Finite: E = (F^T F - I) / 2, from du/dX alone so that small strains keep their digits.
+inline PointStrain point_strain(const Gradients& gradients, const ElementVector& displacement, Kinematics kinematics)
+{
+  const Tensor<2> h = Eigen::Map<const Gradients>(displacement.data()) * gradients.transpose(); // du/dX
+  const bool finite = kinematics == Kinematics::finite;
+  PointStrain p;
+  p.deformation.setIdentity();
+  p.strain << h(0, 0), h(1, 1), h(0, 1) + h(1, 0);
+  if (finite) {
+    p.deformation += h;
+    p.strain += Eigen::Vector3d{0.5 * h.col(0).squaredNorm(), 0.5 * h.col(1).squaredNorm(), h.col(0).dot(h.col(1))};
+  }
+  const Tensor<2>& f = p.deformation;
+  for (int a = 0; a < 4; ++a) {
+    p.variation.block<1, 2>(0, 2 * a) = gradients(0, a) * f.col(0).transpose();
+    p.variation.block<1, 2>(1, 2 * a) = gradients(1, a) * f.col(1).transpose();
+    p.variation.block<1, 2>(2, 2 * a) = gradients(1, a) * f.col(0).transpose() + gradients(0, a) * f.col(1).transpose();
+  }
+  return p;
+}
+
+/// Internal force f = int B^T C E t dA [N], the gradient of `element_energy`.
+inline ElementVector element_force(const Corners& corners, const ElementVector& displacement, const law::Elastic& law,
+                                   Kinematics kinematics)
+{
+  const Eigen::Matrix3d stiffness = law.stiffness();
+  const Gradients points = gauss_points();
+  ElementVector force = ElementVector::Zero();
+  for (int g = 0; g < 4; ++g) {
+    const CellPoint at = map_point(corners, points.col(g));
+    const PointStrain p = point_strain(at.gradients, displacement, kinematics);
+    const Eigen::Vector3d stress = stiffness * p.strain; // second Piola-Kirchhoff [Pa]
+    force.noalias() += at.jacobian * law.thickness * (p.variation.transpose() * stress);
+  }
+  return force;
+}
+
+/// Tangent k = int (B^T C B + stress part) t dA [N/m], the derivative of `element_force`; symmetric. The stress part
+/// is grad N_a . S grad N_b on the diagonal of block (a, b) for finite kinematics, none for small.
+inline ElementMatrix element_tangent(const Corners& corners, const ElementVector& displacement, const law::Elastic& law,
+                                     Kinematics kinematics)
+{
+  const Eigen::Matrix3d stiffness = law.stiffness();
+  const Gradients points = gauss_points();
+  ElementMatrix tangent = ElementMatrix::Zero();
+  for (int g = 0; g < 4; ++g) {
+    const CellPoint at = map_point(corners, points.col(g));
+    const PointStrain p = point_strain(at.gradients, displacement, kinematics);
+    const double volume = at.jacobian * law.thickness;
+    tangent.noalias() += p.variation.transpose() * (volume * stiffness) * p.variation;
+    if (kinematics == Kinematics::small) continue;
+    const Eigen::Vector3d s = stiffness * p.strain;
+    const Eigen::Matrix4d pull =
+        volume * (at.gradients.transpose() * Tensor<2>{{s[0], s[2]}, {s[2], s[1]}} * at.gradients);
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < 4; ++b) tangent.block<2, 2>(2 * a, 2 * b).diagonal().array() += pull(a, b);
+  }
+  return tangent;
+}
+
+/// Strain energy int 1/2 E . C E t dA [J].
+inline double element_energy(const Corners& corners, const ElementVector& displacement, const law::Elastic& law,
+                             Kinematics kinematics)
+{
+  const Eigen::Matrix3d stiffness = law.stiffness();
+  const Gradients points = gauss_points();
+  double energy = 0.0;
+  for (int g = 0; g < 4; ++g) {
+    const CellPoint at = map_point(corners, points.col(g));
+    const Eigen::Vector3d strain = point_strain(at.gradients, displacement, kinematics).strain;
+    energy += 0.5 * at.jacobian * law.thickness * strain.dot(stiffness * strain);
+  }
+  return energy;
+}
+
+/// Cauchy stress (xx, yy, xy) [Pa] at a point: C e if small, F S F^T / det F if finite. In plane stress det F holds
+/// the stretch through the thickness, which the in-plane strain fixes: 1 + 2 E_zz = 1 - 2 nu / (1 - nu) (E_xx + E_yy).
+inline Eigen::Vector3d cauchy_stress(const PointStrain& p, const law::Elastic& law, Kinematics kinematics)
+{
+  const Eigen::Vector3d s = law.stiffness() * p.strain;
+  if (kinematics == Kinematics::small) return s;
+  double volume = p.deformation.determinant();
+  if (law.plane == law::Plane::stress)
+    volume *= std::sqrt(1.0 - 2.0 * law.poisson / (1.0 - law.poisson) * (p.strain[0] + p.strain[1]));
+  const Tensor<2> sigma = p.deformation * Tensor<2>{{s[0], s[2]}, {s[2], s[1]}} * p.deformation.transpose() / volume;
+  return {sigma(0, 0), sigma(1, 1), sigma(0, 1)};
+}
+} // namespace pdx::fem

@@ -1,0 +1,40 @@
+#pragma once
+#include "pdx/fem/assembly.hpp"
+#include "pdx/field/term.hpp"
+
+namespace pdx::fem {
+/// Elements of the plain cells. The tangent is sparse as a whole; nothing is left to `add_tangent_action`.
+/// The uses of the cells are read once, at construction; the mesh must outlive the Term.
+class ElasticTerm final : public field::Term {
+public:
+  /// @param node_rows global row of every local vertex, -1 where no plain cell needs one; the rows of owned vertices
+  ///        are owned rows
+  ElasticTerm(const mesh::Mesh& mesh, const law::Elastic& law, Kinematics kinematics, std::vector<PetscInt> node_rows);
+
+  void needed_rows(std::vector<PetscInt>& rows) const override;
+  void bind(const field::RowHalo& halo) override;
+  void add_residual(std::span<const double> u, std::span<double> r) const override;
+  double energy(std::span<const double> u) const override;
+  void linearise(std::span<const double> u) override;
+  void couplings(field::Couplings& couplings, bool whole) const override;
+  void add_jacobian(field::BlockAdder& adder, bool whole) const override;
+  bool constant_jacobian() const override { return body_.kinematics == Kinematics::small; }
+
+private:
+  using CellRows = std::array<Index, 4>;
+  CellRows rows_of(Index cell) const;
+  ElementVector displacement_of(const CellRows& rows, std::span<const double> u) const;
+  const ElementMatrix& stiffness_of(std::size_t k) const { return stiffness_[static_cast<std::size_t>(shape_[k])]; }
+  void keep_stiffness();
+
+  ElasticBody body_;
+  std::vector<PetscInt> node_rows_;
+  std::vector<Index> cells_;              ///< plain cells that touch an owned vertex or are owned
+  std::vector<std::uint8_t> counted_;     ///< per entry of cells_: 1 if its energy is counted by this rank
+  std::vector<Index> shape_;              ///< per entry of cells_: its entry of stiffness_ (small only)
+  std::vector<ElementMatrix> stiffness_;  ///< of the distinct shapes, in order of appearance (small only) [N/m]
+  std::vector<Index> local_rows_;         ///< per local vertex, -1 where unused
+  std::vector<double> node_displacement_; ///< 2 per local vertex, at the last linearisation (finite only) [m]
+  Index owned_rows_ = 0;
+};
+} // namespace pdx::fem

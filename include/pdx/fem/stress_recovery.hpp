@@ -1,0 +1,14 @@
+#pragma once
+#include "pdx/fem/assembly.hpp"
+
+namespace pdx::fem {
+/// Stress in the four corners of a cell [Pa], one column (xx, yy, xy) each: Cauchy stress of the 2 x 2 Gauss points,
+/// continued bilinearly to the corners.
+Eigen::Matrix<double, 3, 4> corner_stress(const Corners& corners, const ElementVector& displacement,
+                                          const law::Elastic& law, Kinematics kinematics);
+
+/// Nodal Cauchy stress (xx, yy, xy) [Pa] at the owned vertices: mean over all their cells, plain and covered, of the
+/// stress at their corner.
+/// @param displacement 2 per local vertex [m]   @return 3 per owned vertex
+std::vector<double> nodal_stress(const ElasticBody& body, std::span<const double> displacement);
+} // namespace pdx::fem

@@ -1,0 +1,48 @@
+#include "pdx/fem/assembly.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace pdx::fem {
+namespace {
+bool same_shape(const Corners& a, const Corners& b)
+{
+  const double size = std::max((a[2] - a[0]).norm(), (a[3] - a[1]).norm());
+  const double reach = std::max(a[0].lpNorm<Eigen::Infinity>(), b[0].lpNorm<Eigen::Infinity>()) + size;
+  const double tolerance = 1e-12 * size + 4.0 * std::numeric_limits<double>::epsilon() * reach;
+  for (std::size_t k = 1; k < 4; ++k)
+    if (((a[k] - a[0]) - (b[k] - b[0])).lpNorm<Eigen::Infinity>() > tolerance) return false;
+  return true;
+}
+} // namespace
+
+const ElementMatrix& ReusedStiffness::of(const Corners& corners)
+{
+  if (!last_ || !same_shape(*last_, corners)) {
+    matrix_ = element_tangent(corners, ElementVector::Zero(), law_, Kinematics::small);
+    last_ = corners;
+    ++integrations_;
+  }
+  return matrix_;
+}
+
+void assemble_stiffness(const ElasticBody& body, std::span<const Index> cells, std::span<const Index> local_rows,
+                        std::span<const double> displacement, field::BlockAdder& adder)
+{
+  ReusedStiffness reused(body.law);
+  const bool straight = body.kinematics == Kinematics::small || displacement.empty();
+  for (const Index c : cells) {
+    const auto& vertices = body.mesh.cell(c);
+    std::array<Index, 4> rows;
+    ElementVector d = ElementVector::Zero();
+    for (std::size_t a = 0; a < 4; ++a) {
+      const auto v = static_cast<std::size_t>(vertices[a]);
+      rows[a] = local_rows[v];
+      if (!straight) d.segment<2>(static_cast<Index>(2 * a)) << displacement[2 * v], displacement[2 * v + 1];
+    }
+    const Corners corners = body.mesh.corners(c);
+    const ElementMatrix k = straight ? reused.of(corners) : element_tangent(corners, d, body.law, body.kinematics);
+    adder.add(rows, rows, {k.data(), static_cast<std::size_t>(k.size())});
+  }
+}
+} // namespace pdx::fem

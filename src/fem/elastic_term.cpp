@@ -1,0 +1,134 @@
+#include "pdx/fem/elastic_term.hpp"
+
+#include "pdx/base/events.hpp"
+
+#include <algorithm>
+
+namespace pdx::fem {
+ElasticTerm::ElasticTerm(const mesh::Mesh& mesh, const law::Elastic& law, Kinematics kinematics,
+                         std::vector<PetscInt> node_rows)
+    : body_{mesh, law, kinematics}, node_rows_(std::move(node_rows))
+{
+  int rank = 0;
+  MPI_Comm_rank(mesh.comm(), &rank);
+  for (const Index c : mesh.cells(mesh::Use::plain)) {
+    const bool own = mesh.cell_owner(c) == rank;
+    const bool touches = std::ranges::any_of(mesh.cell(c), [&](Index v) { return v < mesh.owned_vertices(); });
+    if (!own && !touches) continue;
+    cells_.push_back(c);
+    counted_.push_back(own);
+  }
+  if (kinematics == Kinematics::small) keep_stiffness();
+}
+
+void ElasticTerm::keep_stiffness()
+{
+  ReusedStiffness reused(body_.law);
+  for (const Index c : cells_) {
+    const ElementMatrix& k = reused.of(body_.mesh.corners(c));
+    if (reused.integrations() > static_cast<int>(stiffness_.size())) stiffness_.push_back(k);
+    shape_.push_back(reused.integrations() - 1);
+  }
+}
+
+void ElasticTerm::needed_rows(std::vector<PetscInt>& rows) const
+{
+  for (const Index c : cells_)
+    for (const Index v : body_.mesh.cell(c)) rows.push_back(node_rows_[static_cast<std::size_t>(v)]);
+}
+
+void ElasticTerm::bind(const field::RowHalo& halo)
+{
+  owned_rows_ = halo.rows().owned();
+  local_rows_.assign(node_rows_.size(), -1);
+  for (const Index c : cells_)
+    for (const Index v : body_.mesh.cell(c)) {
+      Index& row = local_rows_[static_cast<std::size_t>(v)];
+      if (row < 0) row = halo.local(node_rows_[static_cast<std::size_t>(v)]);
+    }
+}
+
+ElasticTerm::CellRows ElasticTerm::rows_of(Index cell) const
+{
+  CellRows rows;
+  for (std::size_t a = 0; a < 4; ++a) rows[a] = local_rows_[static_cast<std::size_t>(body_.mesh.cell(cell)[a])];
+  return rows;
+}
+
+ElementVector ElasticTerm::displacement_of(const CellRows& rows, std::span<const double> u) const
+{
+  ElementVector d;
+  for (int a = 0; a < 4; ++a) {
+    const auto at = 2 * static_cast<std::size_t>(rows[static_cast<std::size_t>(a)]);
+    d.segment<2>(2 * a) << u[at], u[at + 1];
+  }
+  return d;
+}
+
+void ElasticTerm::add_residual(std::span<const double> u, std::span<double> r) const
+{
+  static Event event("fe_residual");
+  const Timed timed(event);
+  const bool small = body_.kinematics == Kinematics::small;
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    const CellRows rows = rows_of(cells_[k]);
+    const ElementVector d = displacement_of(rows, u);
+    ElementVector force;
+    if (small)
+      force.noalias() = stiffness_of(k) * d;
+    else
+      force = element_force(body_.mesh.corners(cells_[k]), d, body_.law, body_.kinematics);
+    for (std::size_t a = 0; a < 4; ++a) {
+      if (rows[a] >= owned_rows_) continue;
+      const auto at = 2 * static_cast<std::size_t>(rows[a]);
+      r[at] += force[static_cast<Index>(2 * a)];
+      r[at + 1] += force[static_cast<Index>(2 * a + 1)];
+    }
+  }
+}
+
+double ElasticTerm::energy(std::span<const double> u) const
+{
+  const bool small = body_.kinematics == Kinematics::small;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    if (!counted_[k]) continue;
+    const ElementVector d = displacement_of(rows_of(cells_[k]), u);
+    sum += small ? 0.5 * d.dot(stiffness_of(k) * d)
+                 : element_energy(body_.mesh.corners(cells_[k]), d, body_.law, body_.kinematics);
+  }
+  return sum;
+}
+
+void ElasticTerm::linearise(std::span<const double> u)
+{
+  if (constant_jacobian()) return;
+  node_displacement_.assign(2 * local_rows_.size(), 0.0);
+  for (std::size_t v = 0; v < local_rows_.size(); ++v)
+    if (local_rows_[v] >= 0) std::copy_n(u.begin() + 2 * local_rows_[v], 2, node_displacement_.begin() + 2 * v);
+}
+
+void ElasticTerm::couplings(field::Couplings& couplings, bool) const
+{
+  const auto owned = static_cast<std::size_t>(owned_rows_);
+  std::vector<std::vector<Index>> neighbours(owned);
+  for (const Index c : cells_) {
+    const CellRows rows = rows_of(c);
+    for (const Index row : rows) {
+      if (row >= owned_rows_) continue;
+      auto& known = neighbours[static_cast<std::size_t>(row)];
+      for (const Index other : rows)
+        if (other != row && std::ranges::find(known, other) == known.end()) known.push_back(other);
+    }
+  }
+  for (std::size_t row = 0; row < owned; ++row)
+    for (const Index other : neighbours[row]) couplings.add(static_cast<Index>(row), other);
+}
+
+void ElasticTerm::add_jacobian(field::BlockAdder& adder, bool) const
+{
+  static Event event("fe_jacobian");
+  const Timed timed(event);
+  assemble_stiffness(body_, cells_, local_rows_, node_displacement_, adder);
+}
+} // namespace pdx::fem
