@@ -1,0 +1,229 @@
+#include "pdx/mesh/build.hpp"
+#include "pdx/mesh/flatten.hpp"
+#include "pdx/mesh/gmsh.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <numeric>
+#include <petscdmplex.h>
+
+namespace pdx::mesh {
+namespace {
+/// The whole mesh, on rank 0; edges of the outer boundary carry kBoundaryLabel.
+struct SerialMesh {
+  DmHandle plex;
+  std::vector<std::string> boundaries; ///< the same on every rank
+};
+
+/// Documents, reads and judges PETSc's own option.
+const char* partitioner_type()
+{
+  static constexpr const char* types[] = {"metis", "ptscotch", "simple"};
+  return types[Options("mesh").choice("-petscpartitioner_type", 0, types, "how the mesh is cut for the ranks")];
+}
+
+void require_lower_below_upper(const geom::Box<2>& box)
+{
+  for (int d = 0; d < 2; ++d)
+    if (!(box.lower[d] < box.upper[d]))
+      throw UserError(fmt::format("-mesh_lower is {},{} and -mesh_upper {},{}: lower must be below upper in both "
+                                  "directions",
+                                  box.lower[0], box.lower[1], box.upper[0], box.upper[1]));
+}
+
+void broadcast(MPI_Comm comm, std::string& text)
+{
+  int size = static_cast<int>(text.size());
+  MPI_Bcast(&size, 1, MPI_INT, 0, comm);
+  text.resize(static_cast<std::size_t>(size));
+  MPI_Bcast(text.data(), size, MPI_CHAR, 0, comm);
+}
+
+SerialMesh box_mesh(MPI_Comm comm, const MeshOptions& options)
+{
+  require_lower_below_upper(options.box);
+  if (options.cells[0] < 1 || options.cells[1] < 1)
+    throw UserError(fmt::format("-mesh_cells is {},{}: a box needs at least 1 cell in both directions, e.g. "
+                                "-mesh_cells 40,20",
+                                options.cells[0], options.cells[1]));
+  SerialMesh mesh;
+  mesh.boundaries = {"bottom", "right", "top", "left"}; // markers 1 to 4 of "Face Sets"
+  PDX_CALL(DMPlexCreateBoxMesh(comm, 2, PETSC_FALSE, options.cells.data(), options.box.lower.data(),
+                               options.box.upper.data(), nullptr, PETSC_TRUE, mesh.plex.out()));
+  DMLabel sides = nullptr;
+  PetscInt first = 0, end = 0;
+  PDX_CALL(DMCreateLabel(mesh.plex.get(), kBoundaryLabel));
+  PDX_CALL(DMGetLabel(mesh.plex.get(), "Face Sets", &sides));
+  PDX_CALL(DMPlexGetDepthStratum(mesh.plex.get(), 1, &first, &end));
+  for (PetscInt e = first; sides && e < end; ++e) {
+    PetscInt side = -1;
+    PDX_CALL(DMLabelGetValue(sides, e, &side));
+    if (side > 0) PDX_CALL(DMSetLabelValue(mesh.plex.get(), kBoundaryLabel, e, side - 1));
+  }
+  return mesh;
+}
+
+/// Rank 0 reads; all ranks learn whether that went well, and throw alike if not.
+CellList read_on_first_rank(MPI_Comm comm, const std::string& file)
+{
+  CellList list;
+  std::string error;
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  if (rank == 0) {
+    try {
+      list = read_gmsh(file);
+    } catch (const std::exception& failure) {
+      error = failure.what();
+      if (error.empty()) error = fmt::format("-mesh_file {}: the file cannot be read", file);
+    }
+  }
+  broadcast(comm, error);
+  if (!error.empty()) throw UserError(error);
+  int names = static_cast<int>(list.boundaries.size());
+  MPI_Bcast(&names, 1, MPI_INT, 0, comm);
+  list.boundaries.resize(static_cast<std::size_t>(names));
+  for (std::string& name : list.boundaries) broadcast(comm, name);
+  return list;
+}
+
+SerialMesh file_mesh(MPI_Comm comm, const std::string& file)
+{
+  CellList list = read_on_first_rank(comm, file);
+  SerialMesh mesh;
+  const auto cells = static_cast<PetscInt>(list.cells.size()), vertices = static_cast<PetscInt>(list.points.size());
+  std::vector<PetscInt> corners;
+  std::vector<double> x;
+  for (const auto& cell : list.cells) corners.insert(corners.end(), cell.begin(), cell.end());
+  for (const auto& point : list.points) x.insert(x.end(), point.begin(), point.end());
+  PDX_CALL(DMPlexCreateFromCellListPetsc(comm, 2, cells, vertices, 4, PETSC_TRUE, corners.data(), 2, x.data(),
+                                         mesh.plex.out()));
+  PDX_CALL(DMCreateLabel(mesh.plex.get(), kBoundaryLabel));
+  for (const auto& [ends, name] : list.edges) {
+    const std::array<PetscInt, 2> points{cells + ends[0], cells + ends[1]};
+    PetscInt count = 0;
+    const PetscInt* edge = nullptr;
+    PDX_CALL(DMPlexGetJoin(mesh.plex.get(), 2, points.data(), &count, &edge));
+    PDX_ASSERT(count == 1);
+    PDX_CALL(DMSetLabelValue(mesh.plex.get(), kBoundaryLabel, edge[0], name));
+    PDX_CALL(DMPlexRestoreJoin(mesh.plex.get(), 2, points.data(), &count, &edge));
+  }
+  mesh.boundaries = std::move(list.boundaries);
+  return mesh;
+}
+
+std::vector<PetscInt> cell_costs(const MeshArrays& arrays, const CellCost& cost)
+{
+  std::vector<PetscInt> costs;
+  for (std::size_t c = 0; c < static_cast<std::size_t>(arrays.owned_cells); ++c) {
+    const auto& v = arrays.cells[c];
+    const auto corner = [&](std::size_t k) { return arrays.points[static_cast<std::size_t>(v[k])]; };
+    costs.push_back(cost ? cost({corner(0), corner(1), corner(2), corner(3)}) : 1);
+    PDX_ASSERT(costs.back() > 0);
+  }
+  return costs;
+}
+
+/// Natural numbers of the points of a mesh on one rank.
+std::vector<Index> serial_numbers(DM plex)
+{
+  PetscInt points = 0, cells = 0, first_vertex = 0, end_vertex = 0;
+  PDX_CALL(DMPlexGetChart(plex, nullptr, &points));
+  std::vector<Index> natural(static_cast<std::size_t>(points), -1);
+  if (points == 0) return natural;
+  PDX_CALL(DMPlexGetDepthStratum(plex, 2, nullptr, &cells));
+  PDX_CALL(DMPlexGetDepthStratum(plex, 0, &first_vertex, &end_vertex));
+  std::iota(natural.begin(), natural.begin() + cells, 0);
+  std::iota(natural.begin() + first_vertex, natural.begin() + end_vertex, 0);
+  return natural;
+}
+
+/// The partitioner takes the number of unknowns of a cell for its weight: says the costs in such a section.
+void set_costs(const DistributedPlex& serial, const CellCost& cost)
+{
+  MPI_Comm comm = MPI_COMM_NULL;
+  PDX_CALL(PetscObjectGetComm(reinterpret_cast<PetscObject>(serial.plex.get()), &comm));
+  const MeshArrays arrays = flatten(serial, {});
+  const std::vector<PetscInt> costs = cell_costs(arrays, cost);
+  constexpr double kLargestSum = 5e8; // METIS counts in 32 bits
+  const double shrink = std::min(1.0, kLargestSum / std::accumulate(costs.begin(), costs.end(), 1.0));
+  SectionHandle weights;
+  PDX_CALL(PetscSectionCreate(comm, weights.out()));
+  PDX_CALL(PetscSectionSetChart(weights.get(), 0, static_cast<PetscInt>(costs.size())));
+  for (std::size_t c = 0; c < costs.size(); ++c)
+    PDX_CALL(PetscSectionSetDof(weights.get(), arrays.natural_cell[c],
+                                std::max(1, static_cast<PetscInt>(shrink * costs[c]))));
+  PDX_CALL(PetscSectionSetUp(weights.get()));
+  PDX_CALL(DMSetLocalSection(serial.plex.get(), weights.get()));
+}
+
+DistributedPlex distribute(DistributedPlex serial, const char* type, const CellCost& cost)
+{
+  PDX_CALL(DMPlexDistributeSetDefault(serial.plex.get(), PETSC_FALSE));
+  int size = 1;
+  MPI_Comm comm = MPI_COMM_NULL;
+  PDX_CALL(PetscObjectGetComm(reinterpret_cast<PetscObject>(serial.plex.get()), &comm));
+  MPI_Comm_size(comm, &size);
+  if (size == 1) return serial;
+  set_costs(serial, cost);
+  PetscPartitioner partitioner = nullptr;
+  PDX_CALL(DMPlexGetPartitioner(serial.plex.get(), &partitioner));
+  PDX_CALL(PetscPartitionerSetType(partitioner, type));
+  PDX_CALL(PetscPartitionerSetFromOptions(partitioner));
+  DistributedPlex result;
+  SfHandle migration;
+  PDX_CALL(DMPlexDistribute(serial.plex.get(), 1, migration.out(), result.plex.out()));
+  PDX_CALL(DMPlexDistributeSetDefault(result.plex.get(), PETSC_FALSE));
+  PetscInt points = 0;
+  PDX_CALL(DMPlexGetChart(result.plex.get(), nullptr, &points));
+  result.natural.assign(static_cast<std::size_t>(points), -1);
+  PDX_CALL(PetscSFBcastBegin(migration.get(), MPI_INT, serial.natural.data(), result.natural.data(), MPI_REPLACE));
+  PDX_CALL(PetscSFBcastEnd(migration.get(), MPI_INT, serial.natural.data(), result.natural.data(), MPI_REPLACE));
+  return result;
+}
+
+double imbalance(MPI_Comm comm, const std::vector<PetscInt>& costs)
+{
+  int size = 1;
+  MPI_Comm_size(comm, &size);
+  const double mine = std::accumulate(costs.begin(), costs.end(), 0.0);
+  double sum = 0.0, largest = 0.0;
+  MPI_Allreduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
+  MPI_Allreduce(&mine, &largest, 1, MPI_DOUBLE, MPI_MAX, comm);
+  return largest * size / sum;
+}
+} // namespace
+
+MeshOptions MeshOptions::read()
+{
+  Options options("mesh");
+  MeshOptions o;
+  o.file = options.text("-mesh_file", "", "Gmsh file (2.2 or 4.1) of four-node cells; takes the place of a box");
+  const auto lower = options.reals("-mesh_lower", {}, 2, "m", "lower left corner of a box");
+  const auto upper = options.reals("-mesh_upper", {}, 2, "m", "upper right corner of a box");
+  const auto cells = options.integers("-mesh_cells", {0, 0}, 2, "cells of a box per direction");
+  (void)partitioner_type();
+  if (options.given("-mesh_cells") && (cells[0] < 1 || cells[1] < 1))
+    throw UserError(fmt::format("-mesh_cells is {},{}: must be at least 1 in both directions", cells[0], cells[1]));
+  o.cells = {cells[0], cells[1]};
+  if (!o.file.empty()) return o;
+  if (lower.empty() || upper.empty())
+    throw UserError("there is no mesh: give -mesh_file FILE, or a box by -mesh_lower x,y -mesh_upper x,y "
+                    "-mesh_cells nx,ny");
+  o.box = {{lower[0], lower[1]}, {upper[0], upper[1]}};
+  require_lower_below_upper(o.box);
+  return o;
+}
+
+Mesh build(MPI_Comm comm, const MeshOptions& options, const CellCost& cost)
+{
+  register_metis_partitioner();
+  const char* type = partitioner_type();
+  SerialMesh serial = options.file.empty() ? box_mesh(comm, options) : file_mesh(comm, options.file);
+  std::vector<Index> natural = serial_numbers(serial.plex.get());
+  DistributedPlex distributed = distribute({std::move(serial.plex), std::move(natural)}, type, cost);
+  MeshArrays arrays = flatten(distributed, serial.boundaries);
+  arrays.quality.imbalance = imbalance(comm, cell_costs(arrays, cost));
+  return {std::move(distributed.plex), std::move(arrays)};
+}
+} // namespace pdx::mesh

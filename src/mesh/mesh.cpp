@@ -1,0 +1,61 @@
+#include "pdx/mesh/mesh.hpp"
+
+namespace pdx::mesh {
+namespace {
+MPI_Comm comm_of(const DmHandle& plex)
+{
+  MPI_Comm comm = MPI_COMM_NULL;
+  PDX_CALL(PetscObjectGetComm(reinterpret_cast<PetscObject>(plex.get()), &comm));
+  return comm;
+}
+} // namespace
+
+Mesh::Mesh(DmHandle plex, MeshArrays arrays)
+    : comm_(comm_of(plex)), plex_(std::move(plex)), arrays_(std::move(arrays)), use_(arrays_.cells.size(), Use::plain),
+      patch_(arrays_.cells.size(), -1)
+{}
+
+std::array<Vector<2>, 4> Mesh::corners(Index c) const
+{
+  const auto& v = cell(c);
+  return {point(v[0]), point(v[1]), point(v[2]), point(v[3])};
+}
+
+Vector<2> Mesh::centroid(Index c) const
+{
+  const auto x = corners(c);
+  return 0.25 * (x[0] + x[1] + x[2] + x[3]);
+}
+
+const std::vector<BoundaryEdge>* Mesh::boundary(std::string_view name) const
+{
+  const auto found = arrays_.boundaries.find(name);
+  return found == arrays_.boundaries.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string> Mesh::boundary_names() const
+{
+  std::vector<std::string> names;
+  for (const auto& [name, edges] : arrays_.boundaries) names.push_back(name);
+  return names;
+}
+
+void Mesh::cover(Index c, int patch)
+{
+  PDX_ASSERT(patch >= 0);
+  use_[static_cast<std::size_t>(c)] = Use::covered;
+  patch_[static_cast<std::size_t>(c)] = patch;
+  lists_current_ = false;
+}
+
+std::span<const Index> Mesh::cells(Use wanted) const
+{
+  if (!lists_current_) {
+    plain_.clear();
+    covered_.clear();
+    for (Index c = 0; c < cells(); ++c) (use(c) == Use::plain ? plain_ : covered_).push_back(c);
+    lists_current_ = true;
+  }
+  return wanted == Use::plain ? plain_ : covered_;
+}
+} // namespace pdx::mesh

@@ -1,0 +1,145 @@
+#include "pdx/mesh/build.hpp"
+
+#include <fmt/format.h>
+#include <metis.h>
+#include <numeric>
+#include <petsc/private/partitionerimpl.h>
+
+namespace pdx::mesh {
+namespace {
+static_assert(std::is_same_v<idx_t, int> && std::is_same_v<PetscInt, int>, "the graph travels as MPI_INT");
+
+/// Dual graph of the cells in METIS' form; whole on rank 0, empty elsewhere.
+struct Graph {
+  std::vector<idx_t> start{0}, neighbours, weights;
+  idx_t size() const { return static_cast<idx_t>(weights.size()); }
+};
+
+/// How many items every rank holds; on rank 0 also where they begin in the gathered array.
+struct Shares {
+  std::vector<int> counts, begins;
+  int total = 0;
+};
+
+Shares share(MPI_Comm comm, int mine)
+{
+  int size = 1;
+  MPI_Comm_size(comm, &size);
+  Shares shares{std::vector<int>(static_cast<std::size_t>(size)), std::vector<int>(static_cast<std::size_t>(size))};
+  MPI_Allgather(&mine, 1, MPI_INT, shares.counts.data(), 1, MPI_INT, comm);
+  std::exclusive_scan(shares.counts.begin(), shares.counts.end(), shares.begins.begin(), 0);
+  shares.total = std::accumulate(shares.counts.begin(), shares.counts.end(), 0);
+  return shares;
+}
+
+std::vector<int> gather(MPI_Comm comm, const Shares& shares, const int* mine, int count)
+{
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  std::vector<int> all(rank ? 0 : static_cast<std::size_t>(shares.total));
+  MPI_Gatherv(mine, count, MPI_INT, all.data(), shares.counts.data(), shares.begins.data(), MPI_INT, 0, comm);
+  return all;
+}
+
+std::vector<real_t> target_shares(PetscSection targets, PetscInt parts)
+{
+  std::vector<real_t> shares;
+  if (!targets) return shares;
+  for (PetscInt p = 0; p < parts; ++p) {
+    PetscInt weight = 0;
+    PDX_CALL(PetscSectionGetDof(targets, p, &weight));
+    shares.push_back(static_cast<real_t>(weight));
+  }
+  const real_t sum = std::accumulate(shares.begin(), shares.end(), real_t{0});
+  for (real_t& s : shares) s /= sum;
+  return shares;
+}
+
+/// Part of every cell. METIS complains on standard output when it is asked for more parts than cells.
+std::vector<idx_t> cut(Graph& graph, idx_t parts, std::vector<real_t> shares, idx_t& edges_cut)
+{
+  idx_t cells = graph.size(), constraints = 1;
+  std::vector<idx_t> part(graph.weights.size(), 0);
+  if (cells <= parts) {
+    std::iota(part.begin(), part.end(), 0);
+    return part;
+  }
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_NUMBERING] = 0;
+  options[METIS_OPTION_SEED] = 1; // the same cut in every run
+  // The k-way method may leave parts of a small graph empty.
+  const auto method = cells < 8 * parts ? METIS_PartGraphRecursive : METIS_PartGraphKway;
+  const int code =
+      method(&cells, &constraints, graph.start.data(), graph.neighbours.data(), graph.weights.data(), nullptr, nullptr,
+             &parts, shares.empty() ? nullptr : shares.data(), nullptr, options, &edges_cut, part.data());
+  if (code != METIS_OK) part.clear();
+  return part;
+}
+
+void partition(PetscPartitioner partitioner, PetscInt parts, std::span<const PetscInt> start,
+               const PetscInt* neighbours, PetscSection weights, PetscSection targets, std::vector<int>& mine)
+{
+  MPI_Comm comm = MPI_COMM_NULL;
+  PDX_CALL(PetscObjectGetComm(reinterpret_cast<PetscObject>(partitioner), &comm));
+  const int cells = static_cast<int>(mine.size());
+  std::vector<int> degree(mine.size()), weight(mine.size(), 1);
+  for (PetscInt c = 0; c < cells; ++c) {
+    degree[static_cast<std::size_t>(c)] = start[static_cast<std::size_t>(c) + 1] - start[static_cast<std::size_t>(c)];
+    if (weights) PDX_CALL(PetscSectionGetDof(weights, c, &weight[static_cast<std::size_t>(c)]));
+  }
+  const Shares vertex_shares = share(comm, cells);
+  const int edges = cells ? start[mine.size()] : 0;
+  const Shares edge_shares = share(comm, edges);
+  Graph graph;
+  const std::vector<int> degrees = gather(comm, vertex_shares, degree.data(), cells);
+  for (int d : degrees) graph.start.push_back(graph.start.back() + d);
+  graph.weights = gather(comm, vertex_shares, weight.data(), cells);
+  graph.neighbours = gather(comm, edge_shares, neighbours, edges);
+  std::vector<idx_t> part = cut(graph, parts, target_shares(targets, parts), partitioner->edgeCut);
+  int failed = part.size() != graph.weights.size();
+  MPI_Bcast(&failed, 1, MPI_INT, 0, comm);
+  if (failed) throw SolverFailure("METIS could not cut the mesh: try -petscpartitioner_type ptscotch");
+  MPI_Scatterv(part.data(), vertex_shares.counts.data(), vertex_shares.begins.data(), MPI_INT, mine.data(), cells,
+               MPI_INT, 0, comm);
+}
+
+/// PetscPartitioner's contract: `sizes` counts our vertices per part, `order` lists our vertices part by part.
+PetscErrorCode partition_metis(PetscPartitioner partitioner, PetscInt parts, PetscInt vertices, PetscInt start[],
+                               PetscInt neighbours[], PetscSection weights, PetscSection targets, PetscSection sizes,
+                               IS* order)
+{
+  return guard([&] {
+    std::vector<int> part(static_cast<std::size_t>(vertices));
+    const std::size_t starts = vertices ? part.size() + 1 : 0;
+    partition(partitioner, parts, std::span<const PetscInt>(start, starts), neighbours, weights, targets, part);
+    std::vector<PetscInt> begin(static_cast<std::size_t>(parts) + 1, 0), listed(part.size());
+    for (int p : part) ++begin[static_cast<std::size_t>(p) + 1];
+    for (PetscInt p = 0; p < parts; ++p) {
+      PDX_CALL(PetscSectionSetDof(sizes, p, begin[static_cast<std::size_t>(p) + 1]));
+      begin[static_cast<std::size_t>(p) + 1] += begin[static_cast<std::size_t>(p)];
+    }
+    for (PetscInt v = 0; v < vertices; ++v)
+      listed[static_cast<std::size_t>(begin[static_cast<std::size_t>(part[static_cast<std::size_t>(v)])]++)] = v;
+    MPI_Comm comm = MPI_COMM_NULL;
+    PDX_CALL(PetscObjectGetComm(reinterpret_cast<PetscObject>(partitioner), &comm));
+    PDX_CALL(ISCreateGeneral(comm, vertices, listed.data(), PETSC_COPY_VALUES, order));
+  });
+}
+
+PetscErrorCode create_metis(PetscPartitioner partitioner)
+{
+  partitioner->data = nullptr;
+  partitioner->noGraph = PETSC_FALSE;
+  partitioner->ops->partition = partition_metis;
+  return 0;
+}
+} // namespace
+
+void register_metis_partitioner()
+{
+  static bool done = false;
+  if (!done) PDX_CALL(PetscPartitionerRegister("metis", create_metis));
+  done = true;
+}
+} // namespace pdx::mesh
