@@ -5,14 +5,6 @@
 
 /// Bodies of kernels: compiled anew into each version of the function that calls them.
 #define PDX_INLINE inline __attribute__((always_inline))
-/// Outer function of a kernel: one version per generation of processors, chosen when the program starts.
-/// clang-tidy cannot parse it; the sanitizers cannot run the code that chooses.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define PDX_EVERY_CPU __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define PDX_EVERY_CPU
-#endif
-
 /// Before a loop of few, known turns whose variables must stay in registers.
 #if defined(__clang__)
 #define PDX_UNROLL
@@ -21,42 +13,83 @@
 #endif
 
 namespace pdx::pd {
-/// Eight neighbouring particles at once.
-inline constexpr int kLanes = 8;
-using Lanes = double __attribute__((vector_size(64)));
-using WordLanes = std::uint64_t __attribute__((vector_size(64)));
-using MaskLanes = std::int64_t __attribute__((vector_size(64))); ///< -1 true, 0 false
+/// W neighbouring particles at once. Wider than the processor's registers is slow: the compiler goes through memory.
+template <int W> struct Simd {
+  typedef double Numbers
+      __attribute__((vector_size(8 * W))); // GCC drops the attribute from a `using` that depends on W
+  typedef std::uint64_t Words __attribute__((vector_size(8 * W)));
+  typedef std::int64_t Mask __attribute__((vector_size(8 * W))); ///< -1 true, 0 false
+};
+template <int W> using Lanes = typename Simd<W>::Numbers;
 
-PDX_INLINE Lanes load(const double* p)
+template <int W> PDX_INLINE Lanes<W> load(const double* p)
 {
-  using Unaligned = double __attribute__((vector_size(64), aligned(8), may_alias));
-  return *reinterpret_cast<const Unaligned*>(p);
+  Lanes<W> x;
+  __builtin_memcpy(&x, p, sizeof x);
+  return x;
 }
-PDX_INLINE WordLanes load(const std::uint64_t* p)
+template <int W> PDX_INLINE typename Simd<W>::Words load(const std::uint64_t* p)
 {
-  using Unaligned = std::uint64_t __attribute__((vector_size(64), aligned(8), may_alias));
-  return *reinterpret_cast<const Unaligned*>(p);
+  typename Simd<W>::Words x;
+  __builtin_memcpy(&x, p, sizeof x);
+  return x;
 }
 /// Square root to 2 ulp by four Newton steps on 1/sqrt(x) from its bit-shift estimate (3.5 % off): the steps share the
 /// processor's multipliers with other bonds while its divider is busy, twice as fast as its square root. 0 gives 0.
-PDX_INLINE Lanes square_root(Lanes x)
+template <int W> PDX_INLINE Lanes<W> square_root(Lanes<W> x)
 {
-  const WordLanes bits = std::uint64_t{0x5fe6eb50c7b537a9} - (std::bit_cast<WordLanes>(x) >> 1);
-  Lanes root = std::bit_cast<Lanes>(bits); // 1/sqrt(x)
-  const Lanes half = 0.5 * x;
+  const typename Simd<W>::Words bits =
+      std::uint64_t{0x5fe6eb50c7b537a9} - (std::bit_cast<typename Simd<W>::Words>(x) >> 1);
+  Lanes<W> root = std::bit_cast<Lanes<W>>(bits); // 1/sqrt(x)
+  const Lanes<W> half = 0.5 * x;
   PDX_UNROLL
   for (int step = 0; step < 4; ++step) root += root * (0.5 - half * root * root);
   return x * root;
 }
 /// Adds component d of particle l to rows[l * N + d] for the first `count` particles.
-template <int N> PDX_INLINE void add_rows(const Lanes (&sum)[N], std::ptrdiff_t count, double* rows)
+template <int W, int N> PDX_INLINE void add_rows(const Lanes<W> (&sum)[N], std::ptrdiff_t count, double* rows)
 {
-  if (count >= kLanes) {
-    for (int l = 0; l < kLanes; ++l)
+  if (count >= W) {
+    for (int l = 0; l < W; ++l)
       for (int d = 0; d < N; ++d) rows[l * N + d] += sum[d][l];
     return;
   }
   for (std::ptrdiff_t l = 0; l < count; ++l)
     for (int d = 0; d < N; ++d) rows[l * N + d] += sum[d][l];
 }
+
+/// Runs `body.template run<W>()` in the version for this processor: 8 lanes with AVX-512, 4 with AVX2, else 2.
+/// (GCC's target_clones would choose too, but cannot change W with the choice.)
+#if defined(__x86_64__)
+enum class Processor { any, avx2, avx512 };
+inline Processor this_processor()
+{
+  __builtin_cpu_init();
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return Processor::any;
+  const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                    __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
+                    __builtin_cpu_supports("avx512vl");
+  return wide ? Processor::avx512 : Processor::avx2;
+}
+template <class Body> __attribute__((target("arch=x86-64-v4"))) void run_avx512(const Body& body)
+{
+  body.template run<8>();
+}
+template <class Body> __attribute__((target("arch=x86-64-v3"))) void run_avx2(const Body& body)
+{
+  body.template run<4>();
+}
+template <class Body> void run_here(const Body& body)
+{
+  static const Processor processor = this_processor();
+  if (processor == Processor::avx512)
+    run_avx512(body);
+  else if (processor == Processor::avx2)
+    run_avx2(body);
+  else
+    body.template run<2>();
+}
+#else
+template <class Body> void run_here(const Body& body) { body.template run<2>(); }
+#endif
 } // namespace pdx::pd
