@@ -50,6 +50,21 @@ public:
     for (std::size_t k = 0; k < words; ++k)
       if (next().empty()) refuse("the file ends too early: write it again");
   }
+  void skip_coordinates(std::size_t count)
+  {
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::string_view word = next();
+      double value = 0.0;
+      const auto result = std::from_chars(word.data() + word.starts_with('+'), word.data() + word.size(), value);
+      if (result.ec != std::errc{} || result.ptr != word.data() + word.size())
+        refuse(fmt::format("\"{}\" where a coordinate belongs: write the file again", word.substr(0, 40)));
+    }
+  }
+  void expect(std::string_view title)
+  {
+    if (const std::string_view word = next(); word != title)
+      refuse(fmt::format("\"{}\" where {} belongs: write the file again", word.substr(0, 40), title));
+  }
   /// Goes behind the next line that is `title`; false if there is none.
   bool find(std::string_view title)
   {
@@ -93,7 +108,7 @@ std::vector<long> scan_nodes(Words& words, bool blocks)
   if (!blocks) {
     for (std::size_t left = words.count(); left > 0; --left) {
       tags.push_back(words.number());
-      words.skip(3);
+      words.skip_coordinates(3);
     }
   } else {
     const std::size_t count = words.count();
@@ -104,9 +119,10 @@ std::vector<long> scan_nodes(Words& words, bool blocks)
       const bool parametric = words.number() != 0;
       const std::size_t nodes = words.count();
       for (std::size_t k = 0; k < nodes; ++k) tags.push_back(words.number());
-      words.skip(nodes * (3 + (parametric ? dimension : 0)));
+      words.skip_coordinates(nodes * (3 + (parametric ? dimension : 0)));
     }
   }
+  words.expect("$EndNodes");
   std::sort(tags.begin(), tags.end());
   return tags;
 }
@@ -135,6 +151,7 @@ void scan_elements(Words& words, bool blocks, const std::vector<long>& known)
       scan_nodes_of_element(words, nodes, known);
     }
   }
+  words.expect("$EndElements");
 }
 
 std::string whole_text(const std::string& file)

@@ -1,6 +1,6 @@
 #include "pdx/mesh/build.hpp"
 
-#include <fmt/format.h>
+#include <algorithm>
 #include <metis.h>
 #include <numeric>
 #include <petsc/private/partitionerimpl.h>
@@ -55,25 +55,54 @@ std::vector<real_t> target_shares(PetscSection targets, PetscInt parts)
   return shares;
 }
 
-/// Part of every cell. METIS complains on standard output when it is asked for more parts than cells.
+/// Consecutive cells of about equal weight per part; no part is empty if there are enough cells.
+std::vector<idx_t> split_in_order(const Graph& graph, idx_t parts)
+{
+  const double total = std::accumulate(graph.weights.begin(), graph.weights.end(), 0.0);
+  const idx_t cells = graph.size();
+  std::vector<idx_t> part;
+  double before = 0.0;
+  for (idx_t c = 0, last = -1; c < cells; ++c) {
+    const double weight = graph.weights[static_cast<std::size_t>(c)];
+    const auto wanted = static_cast<idx_t>(parts * (before + 0.5 * weight) / total);
+    const idx_t least = std::max({0, last, std::min(parts, cells) - cells + c}), most = std::min(last + 1, parts - 1);
+    last = std::clamp(wanted, least, std::max(least, most));
+    part.push_back(last);
+    before += weight;
+  }
+  return part;
+}
+
+/// Gives every empty part a cell of the part with the most cells: METIS may leave some if few cells weigh most.
+void fill_empty_parts(std::vector<idx_t>& part, idx_t parts)
+{
+  std::vector<idx_t> cells(static_cast<std::size_t>(parts), 0);
+  for (idx_t p : part) ++cells[static_cast<std::size_t>(p)];
+  for (idx_t p = 0; p < parts; ++p) {
+    if (cells[static_cast<std::size_t>(p)] > 0) continue;
+    const auto fullest = static_cast<idx_t>(std::max_element(cells.begin(), cells.end()) - cells.begin());
+    *std::find(part.begin(), part.end(), fullest) = p;
+    --cells[static_cast<std::size_t>(fullest)];
+    ++cells[static_cast<std::size_t>(p)];
+  }
+}
+
+/// Part of every cell; empty if METIS fails.
 std::vector<idx_t> cut(Graph& graph, idx_t parts, std::vector<real_t> shares, idx_t& edges_cut)
 {
+  // METIS leaves parts of tiny graphs empty and complains about it on standard output.
+  if (graph.size() < 8 * parts) return split_in_order(graph, parts);
   idx_t cells = graph.size(), constraints = 1;
   std::vector<idx_t> part(graph.weights.size(), 0);
-  if (cells <= parts) {
-    std::iota(part.begin(), part.end(), 0);
-    return part;
-  }
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_NUMBERING] = 0;
   options[METIS_OPTION_SEED] = 1; // the same cut in every run
-  // The k-way method may leave parts of a small graph empty.
-  const auto method = cells < 8 * parts ? METIS_PartGraphRecursive : METIS_PartGraphKway;
-  const int code =
-      method(&cells, &constraints, graph.start.data(), graph.neighbours.data(), graph.weights.data(), nullptr, nullptr,
-             &parts, shares.empty() ? nullptr : shares.data(), nullptr, options, &edges_cut, part.data());
-  if (code != METIS_OK) part.clear();
+  const int code = METIS_PartGraphKway(
+      &cells, &constraints, graph.start.data(), graph.neighbours.data(), graph.weights.data(), nullptr, nullptr, &parts,
+      shares.empty() ? nullptr : shares.data(), nullptr, options, &edges_cut, part.data());
+  if (code != METIS_OK) return {};
+  fill_empty_parts(part, parts);
   return part;
 }
 
