@@ -124,9 +124,9 @@ TEST(MeshGmsh, NonsenseIsRefused)
   expect_refused(replaced(text, cell, "6 3 2 1 1 2 5 6 99999999\n"), "node 99999999");
   expect_refused(replaced(text, cell, "6 3 2 1 1 2 5 six 3\n"), "\"six\"");
   expect_refused(replaced(text, "$Nodes\n7", "$Nodes\n-7"), "count of -7");
-  expect_refused(replaced(text, "$Nodes\n7", "$Nodes\n6"), "node 7");
+  expect_refused(replaced(text, "$Nodes\n7", "$Nodes\n6"), "\"7\" where $EndNodes");
   expect_refused(replaced(text, "$Nodes\n7", "$Nodes\n8"), "\"$EndNodes\"");
-  expect_refused(replaced(text, "2 1 0 0.5", "2 one 0 0.5"), "broken");
+  expect_refused(replaced(text, "2 1 0 0.5", "2 one 0 0.5"), "\"one\"");
 }
 
 TEST(MeshGmsh, ErrorsNameTheLine)
