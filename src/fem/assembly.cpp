@@ -26,6 +26,24 @@ const ElementMatrix& ReusedStiffness::of(const Corners& corners)
   return matrix_;
 }
 
+void count_couplings(const mesh::Mesh& mesh, std::span<const Index> cells, std::span<const Index> local_rows,
+                     field::Couplings& couplings)
+{
+  const Index owned = couplings.halo.rows().owned();
+  std::vector<std::pair<Index, Index>> pairs; // row, column
+  pairs.reserve(cells.size() * 12);
+  for (const Index c : cells)
+    for (const Index v : mesh.cell(c)) {
+      const Index row = local_rows[static_cast<std::size_t>(v)];
+      if (row >= owned) continue;
+      for (const Index w : mesh.cell(c))
+        if (w != v) pairs.emplace_back(row, local_rows[static_cast<std::size_t>(w)]);
+    }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  for (const auto& [row, column] : pairs) couplings.add(row, column);
+}
+
 void assemble_stiffness(const ElasticBody& body, std::span<const Index> cells, std::span<const Index> local_rows,
                         std::span<const double> displacement, field::BlockAdder& adder)
 {

@@ -110,19 +110,7 @@ void ElasticTerm::linearise(std::span<const double> u)
 
 void ElasticTerm::couplings(field::Couplings& couplings, bool) const
 {
-  const auto owned = static_cast<std::size_t>(owned_rows_);
-  std::vector<std::vector<Index>> neighbours(owned);
-  for (const Index c : cells_) {
-    const CellRows rows = rows_of(c);
-    for (const Index row : rows) {
-      if (row >= owned_rows_) continue;
-      auto& known = neighbours[static_cast<std::size_t>(row)];
-      for (const Index other : rows)
-        if (other != row && std::ranges::find(known, other) == known.end()) known.push_back(other);
-    }
-  }
-  for (std::size_t row = 0; row < owned; ++row)
-    for (const Index other : neighbours[row]) couplings.add(static_cast<Index>(row), other);
+  count_couplings(body_.mesh, cells_, local_rows_, couplings);
 }
 
 void ElasticTerm::add_jacobian(field::BlockAdder& adder, bool) const

@@ -67,6 +67,17 @@ void RowHalo::fetch(std::span<const double> owned, int components, std::vector<d
   MPI_Type_free(&block);
 }
 
+void RowHalo::reduce(std::vector<double>& all, int components) const
+{
+  const std::size_t own = static_cast<std::size_t>(rows_.owned()) * static_cast<std::size_t>(components);
+  MPI_Datatype block = MPI_DATATYPE_NULL;
+  MPI_Type_contiguous(components, MPI_DOUBLE, &block);
+  MPI_Type_commit(&block);
+  PDX_CALL(PetscSFReduceBegin(sf_.get(), block, all.data() + own, all.data(), MPI_SUM));
+  PDX_CALL(PetscSFReduceEnd(sf_.get(), block, all.data() + own, all.data(), MPI_SUM));
+  MPI_Type_free(&block);
+}
+
 void RowHalo::gather(Vec u, std::vector<double>& blocks) const
 {
   const double* values = nullptr;

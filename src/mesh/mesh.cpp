@@ -58,4 +58,11 @@ std::span<const Index> Mesh::cells(Use wanted) const
   }
   return wanted == Use::plain ? plain_ : covered_;
 }
+
+void Mesh::uncover()
+{
+  std::fill(use_.begin(), use_.end(), Use::plain);
+  std::fill(patch_.begin(), patch_.end(), -1);
+  lists_current_ = false;
+}
 } // namespace pdx::mesh

@@ -2,6 +2,9 @@
 #include "pdx/base/error.hpp"
 #include "pdx/base/tensor.hpp"
 
+#include <petscdm.h>
+#include <petscsection.h>
+#include <petscsf.h>
 #include <petscsnes.h>
 #include <type_traits>
 #include <utility>

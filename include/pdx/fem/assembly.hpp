@@ -29,6 +29,11 @@ private:
   int integrations_ = 0;
 };
 
+/// Counts the couplings of owned rows through the listed cells, each neighbour once.
+/// @param local_rows as for `assemble_stiffness`
+void count_couplings(const mesh::Mesh& mesh, std::span<const Index> cells, std::span<const Index> local_rows,
+                     field::Couplings& couplings);
+
 /// Adds the tangents [N/m] of the listed local cells, of whatever use, at the given displacement.
 /// @param local_rows local row (of the adder's halo) of every local vertex; read at the vertices of the cells only
 /// @param displacement 2 per local vertex [m]; empty for the undeformed body

@@ -35,6 +35,8 @@ public:
   void gather(Vec u, std::vector<double>& blocks) const;
   /// The same for flat per-row data of any number of components per row. Collective.
   void fetch(std::span<const double> owned, int components, std::vector<double>& all) const;
+  /// Adds the halo part of `all` (size() * components) to the owners' values, which stand first. Collective.
+  void reduce(std::vector<double>& all, int components) const;
 
 private:
   Rows rows_;

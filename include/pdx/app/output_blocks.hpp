@@ -1,0 +1,12 @@
+#pragma once
+#include "pdx/app/discretisation.hpp"
+#include "pdx/field/output_field.hpp"
+
+namespace pdx::app {
+/// The mesh with displacement, stress, cell use and rank; and, where there are patches, the particles with
+/// displacement, strain-energy density, kind (0 inner, 1 with bonds to elements or missing ones, 2 held), rank, patch.
+/// Collective. @param relative_percent Eq. 28 per owned vertex, empty without reference
+std::vector<field::OutputBlock> output_blocks(const mesh::Mesh& mesh, const SceneOptions& options,
+                                              const PatchPlan& plan, const Discretisation& d, Vec u,
+                                              const std::vector<double>& relative_percent);
+} // namespace pdx::app

@@ -1,0 +1,27 @@
+#pragma once
+#include "pdx/app/scene_options.hpp"
+#include "pdx/couple/coarse_mesh.hpp"
+#include "pdx/pd/particles.hpp"
+
+namespace pdx::app {
+/// Where the patches lie and of what they are made. For `-pd_patches all` the one patch is the body and its layers.
+struct PatchPlan {
+  std::vector<couple::PatchShape> shapes;
+  std::vector<pd::Stencil<2>> stencils;
+  geom::Box<2> body; ///< without layers [m]; of box meshes only
+};
+
+/// Lays out the patches before the mesh is built; completes the mesh options of peridynamics-only scenes (background
+/// cells of about 4 dx around body and layers). Throws UserError for a spacing that does not fit, naming one that does.
+PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh);
+
+/// Cost of a cell in the static solver: every cell carries the coarse level, plain ones elements, covered ones their
+/// particles.
+mesh::CellCost cell_cost(const PatchPlan& plan);
+
+/// Switches off the cells under the patches. Throws UserError if a patch leaves the mesh or cuts elements. Collective.
+void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options);
+
+/// The particles in the covered cells this rank owns, by patch and site. Collective.
+std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan& plan, pd::Particles& swarm);
+} // namespace pdx::app

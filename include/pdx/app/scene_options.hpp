@@ -1,0 +1,64 @@
+#pragma once
+#include "pdx/base/options.hpp"
+#include "pdx/couple/schemes.hpp"
+#include "pdx/law/elastic.hpp"
+#include "pdx/mesh/build.hpp"
+#include "pdx/pd/stencil.hpp"
+
+namespace pdx::app {
+/// How strains are measured. small: linear bonds and elements. finite: finite-stretch bonds and St Venant-Kirchhoff
+/// elements. mixed: the papers' finite bonds with linear elements.
+enum class Kinematics { small, finite, mixed };
+enum class SurfaceCorrection { automatic, none, volume };
+enum class PdOperator { automatic, matrix_free, assembled };
+
+/// What acts on a named part of the body: `-bc_NAME_...`.
+struct BoundaryCondition {
+  std::string name;
+  std::string on;                                    ///< boundary of the mesh, "" if chosen by a box alone
+  std::optional<geom::Box<2>> box;                   ///< only what lies in it [m]
+  std::array<std::optional<double>, 2> displacement; ///< held components [m]
+  std::optional<Vector<2>> traction;                 ///< [Pa]
+  std::optional<Vector<2>> body;                     ///< [N/m^3]
+  std::optional<Vector<2>> force;                    ///< at the node or particle nearest to `at` [N]
+  Vector<2> at = Vector<2>::Zero();                  ///< [m]
+  int rows = 1;                                      ///< particle rows under the boundary that take part
+  bool layer = false;                                ///< held particles in a layer of one horizon outside the body
+  bool holds() const { return displacement[0] || displacement[1]; }
+};
+
+struct PdOptions {
+  bool everywhere = false;           ///< -pd_patches all
+  std::vector<geom::Box<2>> patches; ///< [m]
+  std::vector<double> spacing;       ///< one, or one per patch [m]
+  double horizon_ratio = 4.0;
+  law::Micromodulus micromodulus = law::Micromodulus::conical;
+  pd::Calibration calibration = pd::Calibration::lattice;
+  SurfaceCorrection surface_correction = SurfaceCorrection::automatic;
+  PdOperator solver = PdOperator::automatic;
+  bool any() const { return everywhere || !patches.empty(); }
+  double spacing_of(std::size_t patch) const { return spacing.size() == 1 ? spacing[0] : spacing[patch]; }
+};
+
+struct OutputOptions {
+  std::string directory;
+  bool fields = false, history = false, quiet = false;
+};
+
+/// All that a user may say about a scene; read once, judged once, refused not mended.
+struct SceneOptions {
+  std::string case_name = "case";
+  mesh::MeshOptions mesh;
+  law::Elastic elastic;
+  Kinematics kinematics = Kinematics::small;
+  PdOptions pd;
+  couple::Scheme scheme = couple::Scheme::energy;
+  std::vector<BoundaryCondition> conditions;
+  int load_steps = 1;
+  bool reference_fe = false;
+  OutputOptions output;
+
+  /// Throws UserError, alike on every rank. With `describe` nothing is judged: for -help.
+  static SceneOptions read(bool describe = false);
+};
+} // namespace pdx::app

@@ -1,0 +1,50 @@
+#pragma once
+#include "pdx/couple/carried_points.hpp"
+#include "pdx/field/term.hpp"
+#include "pdx/pd/bond_kernel.hpp"
+
+namespace pdx::couple {
+/// A bond between two carried points. Its force may act at other points than those that stretch it (the `interface`
+/// scheme); then the tangent is not symmetric.
+template <int Dim> struct CarriedBond {
+  Index a = 0, b = 0;             ///< points whose displacements stretch the bond
+  Index force_a = 0, force_b = 0; ///< points its force acts at
+  Vector<Dim> xi;                 ///< reference vector from a to b                       [m]
+  double kappa = 0.0;             ///< force per unit stretch                             [N]
+  double energy_share = 0.0; ///< whole bond length over particle volume where a is a particle, else 0 [1/m^2]
+};
+
+/// The bonds that do not join two particles of a patch: springs of the coupling schemes, all with the bond force law.
+template <int Dim> class CarriedBonds final : public field::Term {
+public:
+  CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> points, std::vector<CarriedBond<Dim>> bonds,
+               pd::Kinematics kinematics, bool symmetric);
+
+  void needed_rows(std::vector<PetscInt>& rows) const override;
+  void bind(const field::RowHalo& halo) override;
+  void add_residual(std::span<const double> u, std::span<double> r) const override;
+  double energy(std::span<const double> u) const override;
+  void linearise(std::span<const double> u) override;
+  void couplings(field::Couplings& couplings, bool whole) const override;
+  void add_jacobian(field::BlockAdder& adder, bool whole) const override;
+  bool constant_jacobian() const override { return kinematics_ == pd::Kinematics::linear; }
+  bool symmetric() const override { return symmetric_; }
+
+  /// Adds half of each whole bond's energy to the density of the particle at its first end [J/m^3], one entry per row.
+  void add_energy_density(std::span<const double> u, std::span<double> density) const;
+  std::size_t size() const { return bonds_.size(); }
+
+private:
+  struct Panel;
+  Vector<Dim> stretch_vector(const CarriedBond<Dim>& bond, std::span<const double> d) const;
+  template <class Visit> void for_each_group(Visit&& visit) const;
+
+  field::Rows rows_;
+  CarriedPoints<Dim> points_;
+  std::vector<CarriedBond<Dim>> bonds_;
+  pd::Kinematics kinematics_;
+  bool symmetric_;
+  std::vector<double> state_; // displacement of the points at the last linearisation
+  mutable std::vector<double> spread_, forces_;
+};
+} // namespace pdx::couple

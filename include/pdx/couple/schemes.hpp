@@ -1,0 +1,33 @@
+#pragma once
+#include "pdx/couple/carried_bonds.hpp"
+#include "pdx/pd/lattice_part.hpp"
+
+#include <memory>
+
+namespace pdx::couple {
+/// How bonds that leave a patch act on the elements around it.
+/// energy:    the inner part of the bond is a spring from the particle to the point where it meets the interface,
+///            carried by the mesh edge; bonds that clip a corner act between their two intersection points. Symmetric,
+///            exact for constant strain. No ghost particles.
+/// ghost:     the papers' scheme: the outer end is a ghost particle carried by its element.  [XPD1 Eqs. 14-18]
+/// interface: ghosts for the displacement, force at the point where the bond meets the interface. Not symmetric.
+enum class Scheme { energy, ghost, interface };
+
+struct CouplingOptions {
+  Scheme scheme = Scheme::energy;
+  pd::Kinematics kinematics = pd::Kinematics::linear;
+  bool surface_correction = false; ///< volume method on bonds that leave the patch
+};
+
+/// Where the material around a patch counts to bond families: everywhere, or (papers) in the ghost layers only.
+pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stencil, Scheme scheme);
+
+/// The carried bonds of all patches that touch a row of this rank. Collective.
+/// Throws UserError if a patch lies so near to another that its ghosts find no element.
+std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const CouplingOptions& options,
+                                             std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
+                                             std::span<const Surroundings> around);
+
+/// Ghost particles of all patches: outside sites that carry at least one bond [-].
+Index count_ghosts(std::span<const Surroundings> around, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts);
+} // namespace pdx::couple

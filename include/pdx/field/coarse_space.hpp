@@ -1,0 +1,25 @@
+#pragma once
+#include "pdx/field/rows.hpp"
+
+namespace pdx::field {
+/// Each owned fine row as a combination of coarse rows, in compressed rows.
+struct Interpolation {
+  std::vector<std::size_t> offsets; ///< owned fine rows + 1
+  std::vector<Index> columns;       ///< local coarse rows [owned | halo]
+  std::vector<double> weights;
+};
+
+/// A coarse picture of the problem for two-level solvers: its own rows, operator and interpolation. Solvers do not
+/// know what it is made of.
+class CoarseSpace {
+public:
+  virtual ~CoarseSpace() = default;
+  virtual const RowHalo& halo() const = 0; ///< coarse rows and those of other ranks that fine rows lean on
+  virtual const Interpolation& interpolation() const = 0;
+  /// Coarse operator (MATAIJ) at fine displacement u, prescribed components eliminated. Collective.
+  /// @param u fine local blocks [owned | halo]
+  virtual MatHandle assemble(std::span<const double> u) = 0;
+  /// Coordinates of the owned coarse rows, dim per row [m]: for rigid-body modes.
+  virtual std::vector<double> coordinates() const = 0;
+};
+} // namespace pdx::field

@@ -1,0 +1,32 @@
+#pragma once
+#include "pdx/field/coarse_space.hpp"
+#include "pdx/field/term.hpp"
+
+#include <memory>
+
+namespace pdx::field {
+/// Prescribed displacement of owned components: local component number = row * dim + direction.
+struct Prescribed {
+  std::vector<Index> components;
+  std::vector<double> values; ///< at load 1 [m]
+};
+
+/// All that a solver knows of a scene: rows, Terms, loads and what is held. Solvers know Terms, never physics.
+struct System {
+  Rows rows;
+  std::unique_ptr<RowHalo> halo;
+  std::vector<std::unique_ptr<Term>> terms;
+  Prescribed prescribed;
+  std::vector<std::uint8_t> held;      ///< 1 per prescribed component of every local row [owned | halo]
+  std::vector<double> load;            ///< external force at load 1, owned rows * dim [N]
+  std::vector<double> coordinates;     ///< of owned rows, dim per row [m]
+  std::unique_ptr<CoarseSpace> coarse; ///< none: assembled operators only
+  double scale = 1.0;                  ///< diagonal of prescribed components [N/m]
+
+  /// Finds the halo of all Terms, binds them and spreads `held`. Call once, after rows, terms and prescribed are set.
+  /// Collective.
+  void bind(const std::vector<PetscInt>& also_needed = {});
+  bool linear() const;
+  bool symmetric() const;
+};
+} // namespace pdx::field

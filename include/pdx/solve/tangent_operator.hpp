@@ -1,0 +1,35 @@
+#pragma once
+#include "pdx/field/system.hpp"
+
+namespace pdx::solve {
+/// The tangent of a System as a PETSc matrix. Matrix-free: a shell that adds a sparse part (elements, carried bonds,
+/// diagonal blocks) to what the Terms do without a matrix (lattice bonds). Assembled: one MATAIJ of everything.
+class TangentOperator {
+public:
+  /// Collective.
+  TangentOperator(const field::System& system, bool assembled);
+  TangentOperator(const TangentOperator&) = delete;
+  TangentOperator& operator=(const TangentOperator&) = delete;
+
+  Mat matrix() const { return assembled_ ? sparse_.get() : shell_.get(); }
+  bool assembled() const { return assembled_; }
+  /// Takes the tangent at displacement u (local blocks [owned | halo]). Collective.
+  void update(std::span<const double> u);
+  int assemblies() const { return assemblies_; }
+
+private:
+  static PetscErrorCode multiply(Mat shell, Vec x, Vec y);
+  static PetscErrorCode diagonal(Mat shell, Vec d);
+  static PetscErrorCode inverse_diagonal_blocks(Mat shell, const PetscScalar** values);
+  void apply(Vec x, Vec y);
+  void make_sparse();
+  void make_shell();
+
+  const field::System& system_;
+  bool assembled_;
+  MatHandle sparse_, shell_;
+  std::vector<Index> held_components_; // owned
+  std::vector<double> masked_;
+  int assemblies_ = 0;
+};
+} // namespace pdx::solve

@@ -1,0 +1,25 @@
+#pragma once
+#include "pdx/solve/prolongation.hpp"
+#include "pdx/solve/tangent_operator.hpp"
+
+namespace pdx::solve {
+/// The default static preconditioner: PCMG with two levels. Fine level: Chebyshev with block Jacobi on the matrix-free
+/// tangent. Coarse level: the CoarseSpace under one BoomerAMG cycle. Every part keeps its PETSc options
+/// (-mg_levels_..., -mg_coarse_...).
+class TwoLevel {
+public:
+  TwoLevel(const field::System& system, const TangentOperator& tangent);
+  /// Makes `pc` this preconditioner; options of the user may still change it.
+  void configure(PC pc);
+  /// Takes the coarse operator at displacement u; does nothing if the user chose another PC. Collective.
+  void update(PC pc, std::span<const double> u);
+  int builds() const { return builds_; }
+
+private:
+  const field::System& system_;
+  const TangentOperator& tangent_;
+  Prolongation prolongation_;
+  MatHandle coarse_;
+  int builds_ = 0;
+};
+} // namespace pdx::solve

@@ -1,0 +1,209 @@
+#include "pdx/app/apply_conditions.hpp"
+
+#include "pdx/base/gather.hpp"
+#include "pdx/fem/loads.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <map>
+#include <set>
+
+namespace pdx::app {
+namespace {
+/// Boundary edge of a covered cell, known to all ranks.
+struct CoveredEdge {
+  int patch;
+  std::array<double, 2> a, b;
+};
+
+class Conditions {
+public:
+  Conditions(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
+      : mesh_(mesh), options_(options), plan_(plan), d_(d)
+  {
+    for (std::size_t k = 0; k < d.particles.size(); ++k)
+      row_of_[{d.particles[k].patch, d.particles[k].site}] = d.system.rows.first_particle() + static_cast<Index>(k);
+  }
+
+  void apply()
+  {
+    auto& load = d_.system.load;
+    load.assign(static_cast<std::size_t>(d_.system.rows.owned()) * 2, 0.0);
+    for (const BoundaryCondition& c : options_.conditions) {
+      if (c.holds()) hold(c);
+      if (c.traction) pull(c);
+      if (c.body) weigh(c);
+      if (c.force) push(c);
+    }
+    for (const auto& [component, value] : values_) {
+      d_.system.prescribed.components.push_back(component);
+      d_.system.prescribed.values.push_back(value);
+    }
+  }
+
+private:
+  std::vector<mesh::BoundaryEdge> edges_of(const BoundaryCondition& c) const
+  {
+    const auto* edges = mesh_.boundary(c.on);
+    if (!edges)
+      throw UserError(fmt::format("-bc_{}_on is {}: the mesh has no such boundary; it has {}", c.name, c.on,
+                                  fmt::join(mesh_.boundary_names(), ", ")));
+    std::vector<mesh::BoundaryEdge> kept;
+    for (const mesh::BoundaryEdge& e : *edges)
+      if (!c.box || (inside(c, mesh_.point(e.vertices[0])) && inside(c, mesh_.point(e.vertices[1])))) kept.push_back(e);
+    return kept;
+  }
+
+  bool inside(const BoundaryCondition& c, const Vector<2>& x) const
+  {
+    return !c.box || c.box->contains(x, 1e-9 * mesh_.bounds().size().norm());
+  }
+
+  std::vector<CoveredEdge> covered_edges(const std::vector<mesh::BoundaryEdge>& edges) const
+  {
+    std::vector<CoveredEdge> mine;
+    for (const mesh::BoundaryEdge& e : edges) {
+      if (mesh_.use(e.cell) != mesh::Use::covered || e.cell >= mesh_.owned_cells()) continue;
+      const Vector<2>&a = mesh_.point(e.vertices[0]), &b = mesh_.point(e.vertices[1]);
+      mine.push_back({mesh_.patch(e.cell), {a[0], a[1]}, {b[0], b[1]}});
+    }
+    return gather_all(mesh_.comm(), mine);
+  }
+
+  /// Rows of owned particles in the first `count` rows under an edge; every particle under exactly one edge.
+  std::vector<Index> particles_under(const CoveredEdge& edge, int count) const
+  {
+    const auto& lattice = plan_.shapes[static_cast<std::size_t>(edge.patch)].lattice;
+    const int along = std::abs(edge.b[0] - edge.a[0]) > std::abs(edge.b[1] - edge.a[1]) ? 0 : 1;
+    const auto s = static_cast<std::size_t>(along), n = 1 - s;
+    const auto first = [&](double x, std::size_t d) {
+      return static_cast<Index>(
+          std::ceil((x - lattice.origin[static_cast<Eigen::Index>(d)]) / lattice.dx - 0.5 - 1e-9));
+    };
+    const bool low = first(edge.a[n], n) <= 0; // the edge lies on the lower border of the lattice
+    std::vector<Index> rows;
+    Site<2> site{};
+    for (Index k = 0; k < std::min<Index>(count, lattice.count[n]); ++k)
+      for (site[s] = first(std::min(edge.a[s], edge.b[s]), s); site[s] < first(std::max(edge.a[s], edge.b[s]), s);
+           ++site[s]) {
+        site[n] = low ? k : lattice.count[n] - 1 - k;
+        const auto at = row_of_.find({edge.patch, static_cast<Index>(lattice.number(site))});
+        if (at != row_of_.end()) rows.push_back(at->second);
+      }
+    return rows;
+  }
+
+  void hold(const BoundaryCondition& c)
+  {
+    std::set<Index> rows;
+    if (!c.on.empty() && !c.layer) {
+      const auto edges = edges_of(c);
+      for (const mesh::BoundaryEdge& e : edges)
+        for (const Index v : e.vertices) add_node(v, rows);
+      for (const CoveredEdge& e : covered_edges(edges))
+        for (const Index row : particles_under(e, c.rows)) rows.insert(row);
+    } else {
+      for (const Index v : d_.nodes)
+        if (c.on.empty() && inside(c, mesh_.point(v))) add_node(v, rows);
+      for (std::size_t k = 0; k < d_.particles.size(); ++k)
+        if (c.layer ? in_layer(c, d_.particles[k].x) : inside(c, d_.particles[k].x))
+          rows.insert(d_.system.rows.first_particle() + static_cast<Index>(k));
+    }
+    if (!any_rank(mesh_.comm(), !rows.empty()))
+      throw UserError(fmt::format("-bc_{}: no node and no particle lies where it should hold the body", c.name));
+    HeldPart part{c.name, {}};
+    for (const Index row : rows)
+      for (Index a = 0; a < 2; ++a)
+        if (const auto& value = c.displacement[static_cast<std::size_t>(a)]) {
+          values_[2 * row + a] = *value;
+          part.components.push_back(2 * row + a);
+        }
+    d_.held_parts.push_back(std::move(part));
+  }
+
+  void add_node(Index v, std::set<Index>& rows) const
+  {
+    const PetscInt row = d_.node_rows[static_cast<std::size_t>(v)];
+    if (v < mesh_.owned_vertices() && row >= 0) rows.insert(row - d_.system.rows.first);
+  }
+
+  bool in_layer(const BoundaryCondition& c, const Vector<2>& x) const
+  {
+    if (!inside(c, x)) return false;
+    if (c.on == "left") return x[0] < plan_.body.lower[0];
+    if (c.on == "right") return x[0] > plan_.body.upper[0];
+    return c.on == "bottom" ? x[1] < plan_.body.lower[1] : x[1] > plan_.body.upper[1];
+  }
+
+  void pull(const BoundaryCondition& c)
+  {
+    const auto edges = edges_of(c);
+    fem::add_traction(mesh_, edges, *c.traction, options_.elastic.thickness, target());
+    double length = 0.0;
+    for (const mesh::BoundaryEdge& e : edges)
+      if (mesh_.use(e.cell) == mesh::Use::plain) length += 1.0;
+    for (const CoveredEdge& e : covered_edges(edges)) {
+      const double dx = plan_.shapes[static_cast<std::size_t>(e.patch)].lattice.dx;
+      const double share = dx * options_.elastic.thickness / c.rows;
+      for (const Index row : particles_under(e, c.rows)) add(row, share * *c.traction);
+      length += 1.0;
+    }
+    if (!any_rank(mesh_.comm(), length > 0.0))
+      throw UserError(fmt::format("-bc_{}: no edge lies where its traction should act", c.name));
+  }
+
+  void weigh(const BoundaryCondition& c)
+  {
+    const auto density = [&](const Vector<2>& x) { return inside(c, x) ? *c.body : Vector<2>(0.0, 0.0); };
+    fem::add_body_force(mesh_, density, options_.elastic.thickness, target());
+    for (std::size_t k = 0; k < d_.particles.size(); ++k) {
+      const double dx = plan_.shapes[static_cast<std::size_t>(d_.particles[k].patch)].lattice.dx;
+      add(d_.system.rows.first_particle() + static_cast<Index>(k),
+          dx * dx * options_.elastic.thickness * density(d_.particles[k].x));
+    }
+  }
+
+  void push(const BoundaryCondition& c)
+  {
+    if (!mesh_.bounds().contains(c.at, 1e-9 * mesh_.bounds().size().norm()))
+      throw UserError(fmt::format("-bc_{}_at is {},{}: lies outside the mesh", c.name, c.at[0], c.at[1]));
+    Index nearest = -1;
+    double distance = std::numeric_limits<double>::max();
+    const auto consider = [&](const Vector<2>& x, Index row) {
+      if ((x - c.at).norm() < distance) distance = (x - c.at).norm(), nearest = row;
+    };
+    for (std::size_t k = 0; k < d_.nodes.size(); ++k) consider(mesh_.point(d_.nodes[k]), static_cast<Index>(k));
+    for (std::size_t k = 0; k < d_.particles.size(); ++k)
+      consider(d_.particles[k].x, d_.system.rows.first_particle() + static_cast<Index>(k));
+    struct {
+      double distance;
+      int rank;
+    } mine{distance, 0}, best{};
+    MPI_Comm_rank(mesh_.comm(), &mine.rank);
+    MPI_Allreduce(&mine, &best, 1, MPI_DOUBLE_INT, MPI_MINLOC, mesh_.comm());
+    if (best.rank == mine.rank) add(nearest, *c.force);
+  }
+
+  fem::NodalForces target() { return {d_.node_rows, d_.system.rows, d_.system.load}; }
+  void add(Index row, const Vector<2>& force)
+  {
+    for (Index a = 0; a < 2; ++a) d_.system.load[static_cast<std::size_t>(2 * row + a)] += force[a];
+  }
+
+  const mesh::Mesh& mesh_;
+  const SceneOptions& options_;
+  const PatchPlan& plan_;
+  Discretisation& d_;
+  std::map<std::pair<int, Index>, Index> row_of_;
+  std::map<Index, double> values_; // later conditions win
+};
+} // namespace
+
+void apply_conditions(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
+{
+  Conditions(mesh, options, plan, d).apply();
+  require_support(d.system);
+}
+} // namespace pdx::app

@@ -1,0 +1,60 @@
+#include "pdx/app/arguments.hpp"
+
+#include <fmt/format.h>
+#include <fstream>
+#include <petscsys.h>
+#include <string_view>
+
+namespace pdx::app {
+namespace {
+/// The first thing in an options file that PETSc would not take, "" if none.
+std::string fault_of(const std::string& path)
+{
+  std::ifstream file(path);
+  if (!file.good() || file.peek() == std::ifstream::traits_type::eof())
+    return fmt::format("-options_file {}: cannot be read; check the path", path);
+  if (path.ends_with(".yaml") || path.ends_with(".yml")) return "";
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    const std::size_t begin = line.find_first_not_of(" \t\r");
+    if (begin == std::string::npos || line[begin] == '#' || line[begin] == '-') continue;
+    return fmt::format("-options_file {}, line {}: \"{}\" is no option: lines are -name value, or # comment", path,
+                       number, line.substr(begin, 40));
+  }
+  return "";
+}
+} // namespace
+
+Arguments look_at_arguments(int& argc, char** argv)
+{
+  Arguments found;
+  int kept = 1;
+  for (int k = 1; k < argc; ++k) {
+    const std::string_view argument = argv[k];
+    if (argument == "-help" || argument == "--help" || argument == "-h")
+      found.help = true;
+    else if (argument == "-version" || argument == "--version" || argument == "-v")
+      found.version = true;
+    else if (argument == "-options_file") {
+      const std::string fault = k + 1 < argc ? fault_of(argv[k + 1]) : "-options_file has no value: give a path";
+      if (fault.empty()) {
+        argv[kept++] = argv[k];
+        argv[kept++] = argv[k + 1];
+      } else if (found.error.empty())
+        found.error = fault;
+      ++k;
+    } else
+      argv[kept++] = argv[k];
+  }
+  argc = kept;
+  argv[argc] = nullptr;
+  return found;
+}
+
+void print_version()
+{
+  char petsc[256] = "";
+  (void)PetscGetVersion(petsc, sizeof petsc);
+  fmt::print("pdxsolve {} with {}\n", PDX_VERSION, petsc);
+}
+} // namespace pdx::app

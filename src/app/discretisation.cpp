@@ -1,0 +1,124 @@
+#include "pdx/app/discretisation.hpp"
+
+#include "pdx/app/apply_conditions.hpp"
+#include "pdx/base/gather.hpp"
+
+#include <algorithm>
+
+namespace pdx::app {
+namespace {
+fem::Kinematics element_kinematics(const SceneOptions& options)
+{
+  return options.kinematics == Kinematics::finite ? fem::Kinematics::finite : fem::Kinematics::small;
+}
+
+pd::Kinematics bond_kinematics(const SceneOptions& options)
+{
+  return options.kinematics == Kinematics::small ? pd::Kinematics::linear : pd::Kinematics::finite;
+}
+
+/// Nodes that touch an element have a row; those inside a patch have none.
+void number_rows(const mesh::Mesh& mesh, Discretisation& d)
+{
+  std::vector<std::uint8_t> active(static_cast<std::size_t>(mesh.vertices()), 0);
+  for (const Index c : mesh.cells(mesh::Use::plain))
+    for (const Index v : mesh.cell(c)) active[static_cast<std::size_t>(v)] = 1;
+  for (Index v = 0; v < mesh.owned_vertices(); ++v)
+    if (active[static_cast<std::size_t>(v)]) d.nodes.push_back(v);
+  field::System& system = d.system;
+  system.rows = field::Rows::number(mesh.comm(), 2, static_cast<Index>(d.nodes.size()), 0,
+                                    static_cast<Index>(d.particles.size()));
+  d.node_rows.assign(static_cast<std::size_t>(mesh.vertices()), -1);
+  for (std::size_t k = 0; k < d.nodes.size(); ++k)
+    d.node_rows[static_cast<std::size_t>(d.nodes[k])] = system.rows.first + static_cast<PetscInt>(k);
+  if (mesh.vertex_sf()) {
+    PDX_CALL(PetscSFBcastBegin(mesh.vertex_sf(), MPIU_INT, d.node_rows.data(), d.node_rows.data(), MPI_REPLACE));
+    PDX_CALL(PetscSFBcastEnd(mesh.vertex_sf(), MPIU_INT, d.node_rows.data(), d.node_rows.data(), MPI_REPLACE));
+  }
+  for (const Index v : d.nodes)
+    system.coordinates.insert(system.coordinates.end(), {mesh.point(v)[0], mesh.point(v)[1]});
+  for (const pd::Particle& p : d.particles) system.coordinates.insert(system.coordinates.end(), {p.x[0], p.x[1]});
+}
+
+std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const SceneOptions& options, const PatchPlan& plan,
+                                                            const Discretisation& d)
+{
+  std::vector<std::unique_ptr<pd::LatticePart<2>>> parts;
+  Index row = d.system.rows.first_particle();
+  for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
+    std::vector<Index> sites;
+    for (const pd::Particle& particle : d.particles)
+      if (particle.patch == static_cast<int>(p)) sites.push_back(particle.site);
+    const Index first = row;
+    row += static_cast<Index>(sites.size());
+    pd::Exists<2> exists;
+    if (options.pd.surface_correction != SurfaceCorrection::none)
+      exists = couple::family_of(d.around[p], plan.stencils[p], options.scheme);
+    parts.push_back(std::make_unique<pd::LatticePart<2>>(d.system.rows, plan.shapes[p].lattice, plan.stencils[p],
+                                                         std::move(sites), first, exists));
+  }
+  return parts;
+}
+
+void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d,
+                      bool assembled)
+{
+  Index band = 0;
+  for (const auto& stencil : plan.stencils) band = std::max(band, stencil.reach + pd::family_reach<2>(stencil));
+  d.around = couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows);
+  auto parts = make_parts(options, plan, d);
+  const bool corrected = std::any_of(parts.begin(), parts.end(), [](const auto& part) { return part->corrected(); });
+  const bool volume = options.pd.surface_correction == SurfaceCorrection::volume;
+  const bool automatic = options.pd.surface_correction == SurfaceCorrection::automatic;
+  if (d.elements) {
+    auto carried = couple::carry_bonds(
+        d.system.rows, {options.scheme, bond_kinematics(options), volume || (automatic && corrected)}, parts, d.around);
+    d.carried = carried.get();
+    d.system.terms.push_back(std::move(carried));
+    if (options.scheme != couple::Scheme::energy) d.ghosts = couple::count_ghosts(d.around, parts);
+  }
+  auto bonds = std::make_unique<pd::BondTerm<2>>(std::move(parts), bond_kinematics(options), assembled);
+  d.bonds = bonds.get();
+  d.system.terms.push_back(std::move(bonds));
+}
+} // namespace
+
+std::unique_ptr<Discretisation> discretise(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan,
+                                           std::vector<pd::Particle> particles, bool assembled)
+{
+  auto result = std::make_unique<Discretisation>();
+  Discretisation& d = *result;
+  d.particles = std::move(particles);
+  number_rows(mesh, d);
+  field::System& system = d.system;
+  system.scale = options.elastic.young * options.elastic.thickness;
+  if (any_rank(mesh.comm(), !d.nodes.empty())) {
+    auto elements = std::make_unique<fem::ElasticTerm>(mesh, options.elastic, element_kinematics(options), d.node_rows);
+    d.elements = elements.get();
+    system.terms.push_back(std::move(elements));
+  }
+  if (!plan.shapes.empty()) add_peridynamics(mesh, options, plan, d, assembled);
+  apply_conditions(mesh, options, plan, d);
+
+  const std::span<const std::unique_ptr<pd::LatticePart<2>>> parts =
+      d.bonds ? std::span(d.bonds->parts()) : std::span<const std::unique_ptr<pd::LatticePart<2>>>();
+  d.node_field = std::make_unique<couple::NodeField>(mesh, d.node_rows, parts);
+  system.bind(d.node_field->needed_rows());
+  d.node_field->bind(*system.halo);
+  if (assembled || !d.bonds) return result;
+
+  std::vector<couple::ParticlePlace> places;
+  for (std::size_t k = 0; k < d.particles.size(); ++k)
+    places.push_back({system.rows.first_particle() + static_cast<Index>(k), d.particles[k].cell, d.particles[k].x});
+  system.coarse = std::make_unique<couple::CoarseMesh>(
+      fem::ElasticBody{mesh, options.elastic, element_kinematics(options)}, *d.node_field, d.nodes, places, system);
+  return result;
+}
+
+std::vector<double> Discretisation::vertex_displacement(Vec u) const
+{
+  std::vector<double> local;
+  system.halo->gather(u, local);
+  return node_field->displacement(local);
+}
+} // namespace pdx::app

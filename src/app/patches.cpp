@@ -1,0 +1,182 @@
+#include "pdx/app/patches.hpp"
+
+#include "pdx/mesh/locate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace pdx::app {
+namespace {
+constexpr double kFits = 1e-6;       // how far a side may be from a whole number of spacings, in spacings
+constexpr double kCoarseCells = 4.0; // background cells of peridynamics-only scenes, in spacings
+
+/// The spacing nearest to dx that divides both sides, 0 if there is none within a factor of two.
+double nearest_fit(const Vector<2>& sides, double dx)
+{
+  const double wanted = std::round(sides[0] / dx);
+  for (double k = 0.0; k <= wanted; ++k)
+    for (const double n : {wanted + k, wanted - k}) {
+      if (n < 1.0) continue;
+      const double fit = sides[0] / n, other = sides[1] / fit;
+      if (std::round(other) >= 1.0 && std::abs(other - std::round(other)) < kFits) return fit;
+    }
+  return 0.0;
+}
+
+geom::Lattice<2> lattice_in(const geom::Box<2>& box, double dx)
+{
+  const Vector<2> counts = box.size() / dx;
+  geom::Lattice<2> lattice;
+  lattice.origin = box.lower;
+  for (std::size_t d = 0; d < 2; ++d) {
+    const double n = counts[static_cast<Eigen::Index>(d)];
+    if (std::abs(n - std::round(n)) > kFits || std::round(n) < 1.0) {
+      const double fit = nearest_fit(box.size(), dx);
+      throw UserError(
+          fmt::format("-pd_spacing is {}: the sides {} and {} m of the patch must be whole numbers of it; {}", dx,
+                      box.size()[0], box.size()[1],
+                      fit > 0.0 ? fmt::format("the nearest that fits is {:.10g}", fit)
+                                : std::string("no spacing fits both: change the patch")));
+    }
+    lattice.count[d] = static_cast<Index>(std::round(n));
+  }
+  lattice.dx = box.size()[0] / lattice.count[0];
+  if (lattice.total() > std::numeric_limits<Index>::max() / 2)
+    throw UserError(fmt::format("-pd_spacing is {}: makes {} particles in one patch, more than the {} it can number",
+                                dx, lattice.total(), std::numeric_limits<Index>::max() / 2));
+  return lattice;
+}
+
+/// The body grown by the layers of a horizon that boundary conditions ask for.
+geom::Box<2> with_layers(const SceneOptions& options, geom::Box<2> box, double dx)
+{
+  const double width = std::floor(options.pd.horizon_ratio + 1e-9) * dx;
+  for (const BoundaryCondition& c : options.conditions) {
+    if (!c.layer) continue;
+    if (c.on == "left")
+      box.lower[0] = options.mesh.box.lower[0] - width;
+    else if (c.on == "bottom")
+      box.lower[1] = options.mesh.box.lower[1] - width;
+    else if (c.on == "right")
+      box.upper[0] = options.mesh.box.upper[0] + width;
+    else if (c.on == "top")
+      box.upper[1] = options.mesh.box.upper[1] + width;
+    else
+      throw UserError(
+          fmt::format("-bc_{}_on is {}: a layer lies outside one of left, right, bottom, top", c.name, c.on));
+  }
+  return box;
+}
+} // namespace
+
+PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh)
+{
+  PatchPlan plan;
+  plan.body = mesh.box;
+  std::vector<geom::Box<2>> boxes = options.pd.patches;
+  if (options.pd.everywhere) {
+    (void)lattice_in(mesh.box, options.pd.spacing[0]); // the body itself must fit
+    mesh.box = with_layers(options, mesh.box, options.pd.spacing[0]);
+    boxes = {mesh.box};
+  }
+  for (std::size_t p = 0; p < boxes.size(); ++p) {
+    plan.shapes.push_back({boxes[p], lattice_in(boxes[p], options.pd.spacing_of(p))});
+    const double dx = plan.shapes.back().lattice.dx;
+    plan.stencils.push_back(pd::make_stencil<2>({dx, options.elastic.thickness, options.pd.horizon_ratio * dx,
+                                                 options.pd.micromodulus, options.pd.calibration, options.elastic}));
+  }
+  if (options.pd.everywhere && mesh.cells[0] == 0)
+    for (std::size_t d = 0; d < 2; ++d)
+      mesh.cells[d] = std::max(1, static_cast<Index>(std::round(plan.shapes[0].lattice.count[d] / kCoarseCells)));
+  return plan;
+}
+
+mesh::CellCost cell_cost(const PatchPlan& plan)
+{
+  constexpr int kCoarse = 3, kElement = 1; // in particles; from the static solver's phases
+  return [shapes = plan.shapes](const std::array<Vector<2>, 4>& corners) {
+    const Vector<2> centre = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+    const Vector<2> a = corners[2] - corners[0], b = corners[3] - corners[1];
+    const double area = 0.5 * std::abs(a[0] * b[1] - a[1] * b[0]);
+    for (const auto& shape : shapes)
+      if (shape.box.contains(centre))
+        return kCoarse + static_cast<int>(std::round(area / (shape.lattice.dx * shape.lattice.dx)));
+    return kCoarse + kElement;
+  };
+}
+
+void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options)
+{
+  std::vector<double> area(plan.shapes.size(), 0.0), cut(plan.shapes.size(), 0.0);
+  for (Index c = 0; c < mesh.cells(); ++c) {
+    const auto corners = mesh.corners(c);
+    const Vector<2> a = corners[2] - corners[0], b = corners[3] - corners[1];
+    for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
+      const auto& shape = plan.shapes[p];
+      if (!shape.box.contains(mesh.centroid(c))) continue;
+      mesh.cover(c, static_cast<int>(p));
+      if (c >= mesh.owned_cells()) continue;
+      area[p] += 0.5 * std::abs(a[0] * b[1] - a[1] * b[0]);
+      for (const Vector<2>& x : corners)
+        if (!shape.box.contains(x, kFits * shape.lattice.dx)) cut[p] = 1.0;
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, area.data(), static_cast<int>(area.size()), MPI_DOUBLE, MPI_SUM, mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, cut.data(), static_cast<int>(cut.size()), MPI_DOUBLE, MPI_MAX, mesh.comm());
+  for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
+    const auto& box = plan.shapes[p].box;
+    const std::string which = fmt::format("-pd_patches: patch {} ({},{} to {},{})", p + 1, box.lower[0], box.lower[1],
+                                          box.upper[0], box.upper[1]);
+    if (!mesh.bounds().contains(box.lower, kFits * plan.shapes[p].lattice.dx) ||
+        !mesh.bounds().contains(box.upper, kFits * plan.shapes[p].lattice.dx))
+      throw UserError(fmt::format("{} leaves the mesh, which spans {},{} to {},{}", which, mesh.bounds().lower[0],
+                                  mesh.bounds().lower[1], mesh.bounds().upper[0], mesh.bounds().upper[1]));
+    if (cut[p] == 0.0 && std::abs(area[p] - box.size().prod()) < 1e-6 * box.size().prod()) continue;
+    std::string nearest;
+    if (options.file.empty()) {
+      const Vector<2> h = options.box.size().array() / Eigen::Array2d(options.cells[0], options.cells[1]);
+      const auto snap = [&](const Vector<2>& x) {
+        const Eigen::Array2d cells = ((x - options.box.lower).array() / h.array()).round();
+        return Vector<2>(options.box.lower.array() + cells * h.array());
+      };
+      const Vector<2> lower = snap(box.lower), upper = snap(box.upper);
+      nearest = fmt::format(", e.g. {:.10g},{:.10g},{:.10g},{:.10g}", lower[0], lower[1], upper[0], upper[1]);
+    }
+    throw UserError(fmt::format("{} cuts elements: its sides must lie on element boundaries{}", which, nearest));
+  }
+}
+
+std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan& plan, pd::Particles& swarm)
+{
+  std::vector<pd::Particle> mine;
+  for (const Index c : mesh.cells(mesh::Use::covered)) {
+    if (c >= mesh.owned_cells()) continue;
+    const auto& lattice = plan.shapes[static_cast<std::size_t>(mesh.patch(c))].lattice;
+    const auto corners = mesh.corners(c);
+    std::array<Index, 4> natural{};
+    for (std::size_t a = 0; a < 4; ++a) natural[a] = mesh.natural_vertex(mesh.cell(c)[a]);
+    const Vector<2> lower = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]).cwiseMin(corners[3]);
+    const Vector<2> upper = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]).cwiseMax(corners[3]);
+    Site<2> from{}, to{};
+    for (std::size_t d = 0; d < 2; ++d) {
+      const auto e = static_cast<Eigen::Index>(d);
+      from[d] = std::max(0, static_cast<Index>(std::floor((lower[e] - lattice.origin[e]) / lattice.dx - 0.51)));
+      to[d] = std::min(lattice.count[d] - 1,
+                       static_cast<Index>(std::ceil((upper[e] - lattice.origin[e]) / lattice.dx - 0.49)));
+    }
+    for (Site<2> site{0, from[1]}; site[1] <= to[1]; ++site[1])
+      for (site[0] = from[0]; site[0] <= to[0]; ++site[0]) {
+        const Vector<2> x = lattice.point(site);
+        if (mesh::cell_holds(corners, natural, x, 1e-9 * lattice.dx))
+          mine.push_back({mesh.patch(c), static_cast<Index>(lattice.number(site)), c, x});
+      }
+  }
+  std::int64_t total = static_cast<std::int64_t>(mine.size()), wanted = 0;
+  MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, mesh.comm());
+  for (const auto& shape : plan.shapes) wanted += shape.lattice.total();
+  if (total != wanted) throw std::logic_error(fmt::format("{} particles found a cell, {} should have", total, wanted));
+  swarm.add(mine);
+  return swarm.sorted();
+}
+} // namespace pdx::app

@@ -1,0 +1,99 @@
+#include "pdx/app/run.hpp"
+
+#include "pdx/app/discretisation.hpp"
+#include "pdx/app/output_blocks.hpp"
+#include "pdx/app/recorder.hpp"
+#include "pdx/base/events.hpp"
+#include "pdx/base/gather.hpp"
+#include "pdx/post/error_norm.hpp"
+#include "pdx/solve/static_driver.hpp"
+
+#include <fmt/format.h>
+
+namespace pdx::app {
+namespace {
+/// Matrix-free unless the user asks for an assembled matrix, by name or by choosing a preconditioner that needs one.
+bool wants_assembled(const SceneOptions& options)
+{
+  if (!options.pd.any() || options.pd.solver == PdOperator::assembled) return true;
+  char type[64] = "";
+  PetscBool given = PETSC_FALSE;
+  PDX_CALL(PetscOptionsGetString(nullptr, nullptr, "-pc_type", type, sizeof type, &given));
+  if (!given || solve::works_matrix_free(type)) return false;
+  if (options.pd.solver == PdOperator::automatic) return true;
+  throw UserError(
+      fmt::format("-pc_type {} needs a matrix, but -pd_operator is matrix_free: use assembled, or one of mg, "
+                  "pbjacobi, jacobi, none",
+                  type));
+}
+
+/// The elements-only solution of the same scene at every local vertex, for Eq. 28.
+std::vector<double> reference_displacement(const mesh::Mesh& mesh, const SceneOptions& options)
+{
+  const PauseCounts pause;
+  const auto d = discretise(mesh, options, {}, {}, true);
+  solve::StaticDriver driver(d->system, {options.load_steps, true});
+  const VecHandle u = d->system.rows.vector();
+  driver.run(u.get(), [](int, Vec) {});
+  return d->vertex_displacement(u.get());
+}
+
+void refuse_reference_options(const SceneOptions& options)
+{
+  if (options.reference_fe && !options.pd.any())
+    throw UserError("-post_reference_fe compares with the same scene without patches, but there are none: drop it");
+}
+} // namespace
+
+void run(MPI_Comm comm, double begin)
+{
+  const SceneOptions options = SceneOptions::read();
+  refuse_reference_options(options);
+  const bool assembled = wants_assembled(options);
+  Recorder recorder(comm, options, begin);
+  try {
+    mesh::MeshOptions mesh_options = options.mesh;
+    const PatchPlan plan = plan_patches(options, mesh_options);
+    mesh::Mesh mesh = mesh::build(comm, mesh_options, cell_cost(plan));
+    std::vector<double> reference;
+    if (options.reference_fe) {
+      cover_cells(mesh, plan, mesh_options); // refuses a wrong patch before the reference is paid for
+      mesh.uncover();
+      reference = reference_displacement(mesh, options);
+    }
+    std::unique_ptr<pd::Particles> swarm;
+    std::vector<pd::Particle> particles;
+    if (options.pd.any()) {
+      cover_cells(mesh, plan, mesh_options);
+      swarm = std::make_unique<pd::Particles>(comm);
+      particles = make_particles(mesh, plan, *swarm);
+    }
+    const auto d = discretise(mesh, options, plan, std::move(particles), assembled);
+    recorder.built(mesh, plan, *d);
+    solve::StaticDriver driver(d->system, {options.load_steps, assembled});
+    const VecHandle u = d->system.rows.vector();
+    recorder.started();
+    driver.run(u.get(), [&](int step, Vec state) { recorder.accept(step, state, driver, reference); });
+    recorder.finish(driver.report());
+  } catch (const SolverFailure& failure) {
+    recorder.fail(failure.what());
+    throw;
+  }
+}
+
+void print_help()
+{
+  (void)SceneOptions::read(true);
+  fmt::print("pdxsolve {}: brittle fracture with elements and peridynamics\n"
+             "mpirun -n N pdxsolve -options_file case.opts [any PETSc option]\n",
+             PDX_VERSION);
+  std::string room;
+  for (const OptionDoc& doc : documented_options()) {
+    if (doc.room != room) fmt::print("\n{}\n", room = doc.room);
+    fmt::print("  {:<28} {}{}\n{:31}default {}; {}\n", doc.name, doc.help,
+               doc.unit.empty() ? "" : " [" + doc.unit + "]", "", doc.default_value, doc.allowed);
+  }
+  fmt::print(
+      "\nSolver options are PETSc's: -snes_..., -ksp_..., -pc_..., -mg_levels_..., -mg_coarse_..., -log_view.\n");
+}
+} // namespace pdx::app

@@ -1,0 +1,237 @@
+#include "pdx/app/scene_options.hpp"
+
+#include "pdx/law/bond.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace pdx::app {
+namespace {
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+geom::Box<2> box_of(const std::string& name, const std::vector<double>& v, std::size_t at)
+{
+  const geom::Box<2> box{{v[at], v[at + 1]}, {v[at + 2], v[at + 3]}};
+  if ((box.size().array() <= 0.0).any())
+    throw UserError(fmt::format("{} is {},{},{},{}: must be x0,y0,x1,y1 with x0 < x1 and y0 < y1", name, v[at],
+                                v[at + 1], v[at + 2], v[at + 3]));
+  return box;
+}
+
+law::Elastic read_material(bool describe)
+{
+  Options o("material");
+  law::Elastic elastic;
+  static constexpr const char* planes[] = {"stress", "strain"};
+  elastic.plane = static_cast<law::Plane>(o.choice("-material_plane", 0, planes, "plane problem"));
+  elastic.young = o.real("-material_young", kNone, "Pa", "Young's modulus", Range::positive());
+  elastic.poisson =
+      o.real("-material_poisson", law::required_poisson(2, elastic.plane), "-",
+             "Poisson's ratio; peridynamics has only 1/3 (plane stress) or 1/4 (plane strain)", {-0.999, 0.4999});
+  elastic.thickness = o.real("-material_thickness", 1.0, "m", "out-of-plane thickness", Range::positive());
+  if (!describe && std::isnan(elastic.young))
+    throw UserError("-material_young is missing: give Young's modulus in Pa, e.g. -material_young 1e9");
+  return elastic;
+}
+
+void read_patches(Options& o, PdOptions& pd)
+{
+  const std::string text = o.text("-pd_patches", "", "patches: x0,y0,x1,y1[,more] [m], or all");
+  if (text.empty()) return;
+  if (text == "all") {
+    pd.everywhere = true;
+    return;
+  }
+  const std::vector<double> v = o.reals("-pd_patches", {}, 0, "m", "");
+  if (v.size() % 4)
+    throw UserError(
+        fmt::format("-pd_patches has {} numbers: must be four per patch, x0,y0,x1,y1, or the word all", v.size()));
+  for (std::size_t k = 0; k < v.size(); k += 4) pd.patches.push_back(box_of("-pd_patches", v, k));
+}
+
+PdOptions read_pd(const law::Elastic& elastic, bool describe)
+{
+  Options o("pd");
+  PdOptions pd;
+  static constexpr const char* moduli[] = {"uniform", "conical"};
+  static constexpr const char* calibrations[] = {"continuum", "lattice"};
+  static constexpr const char* corrections[] = {"auto", "none", "volume"};
+  static constexpr const char* operators[] = {"auto", "matrix_free", "assembled"};
+  read_patches(o, pd);
+  pd.spacing =
+      o.reals("-pd_spacing", {}, 0, "m", "lattice spacing dx, one for all patches or one each", Range::positive());
+  pd.horizon_ratio = o.real("-pd_horizon_ratio", 4.0, "-", "horizon / dx", Range::at_least(1.0));
+  pd.micromodulus =
+      static_cast<law::Micromodulus>(o.choice("-pd_micromodulus", 1, moduli, "c(xi): constant, or falling linearly"));
+  pd.calibration = static_cast<pd::Calibration>(
+      o.choice("-pd_calibration", 1, calibrations, "bond constants: the papers', or exact for the lattice"));
+  pd.surface_correction = static_cast<SurfaceCorrection>(o.choice(
+      "-pd_surface_correction", 0, corrections, "volume method: at free peridynamic surfaces only, never, always"));
+  pd.solver = static_cast<PdOperator>(
+      o.choice("-pd_operator", 0, operators, "tangent: matrix-free two-level, or one assembled matrix"));
+  if (describe || !pd.any()) return pd;
+  if (pd.spacing.empty()) throw UserError("-pd_spacing is missing: give the lattice spacing of the patches in m");
+  if (pd.spacing.size() > 1 && pd.spacing.size() != pd.patches.size())
+    throw UserError(fmt::format("-pd_spacing has {} values for {} patches: give one, or one per patch",
+                                pd.spacing.size(), pd.patches.size()));
+  (void)law::BondLaw<2>(pd.micromodulus, elastic, pd.horizon_ratio * pd.spacing[0]); // refuses a wrong Poisson's ratio
+  for (std::size_t p = 0; p < pd.patches.size(); ++p)
+    for (std::size_t q = p + 1; q < pd.patches.size(); ++q)
+      if ((pd.patches[p].lower.array() <= pd.patches[q].upper.array() + 1e-9 * pd.patches[p].size().norm()).all() &&
+          (pd.patches[q].lower.array() <= pd.patches[p].upper.array() + 1e-9 * pd.patches[p].size().norm()).all())
+        throw UserError(
+            fmt::format("-pd_patches: patches {} and {} touch or overlap: leave at least one row of elements "
+                        "between them",
+                        p + 1, q + 1));
+  return pd;
+}
+
+std::array<std::optional<double>, 2> read_components(Options& o, const std::string& name)
+{
+  const std::vector<std::string> parts =
+      o.texts(name, {}, "held displacement ux,uy [m]; the word free leaves a component");
+  std::array<std::optional<double>, 2> held;
+  if (parts.empty()) return held;
+  if (parts.size() != 2)
+    throw UserError(fmt::format("{} has {} values: must have 2, a number or the word free each", name, parts.size()));
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (parts[a] == "free") continue;
+    std::size_t end = 0;
+    double value = kNone;
+    try {
+      value = std::stod(parts[a], &end);
+    } catch (const std::exception&) {
+      end = 0;
+    }
+    if (end != parts[a].size() || !std::isfinite(value))
+      throw UserError(fmt::format("{} is \"{}\" in component {}: must be a finite number in m or the word free", name,
+                                  parts[a], a + 1));
+    held[a] = value;
+  }
+  return held;
+}
+
+std::optional<Vector<2>> read_vector(Options& o, const std::string& name, const char* unit, const char* help)
+{
+  const std::vector<double> v = o.reals(name, {}, o.given(name) ? 2 : 0, unit, help);
+  if (v.empty()) return std::nullopt;
+  return Vector<2>(v[0], v[1]);
+}
+
+void judge(const BoundaryCondition& c)
+{
+  const std::string stem = "-bc_" + c.name;
+  if (!c.holds() && !c.traction && !c.body && !c.force)
+    throw UserError(
+        fmt::format("{0}: nothing is prescribed: give {0}_displacement, {0}_traction, {0}_body or {0}_force", stem));
+  if ((c.holds() || c.traction) && c.on.empty() && !c.box)
+    throw UserError(fmt::format("{0}: no place given: name a boundary with {0}_on, or a box with {0}_box", stem));
+  if (c.traction && c.on.empty())
+    throw UserError(
+        fmt::format("{0}_traction needs edges: name their boundary with {0}_on (and cut it with {0}_box)", stem));
+  if (c.layer && (!c.holds() || c.on.empty()))
+    throw UserError(
+        fmt::format("{0}_layer holds particles outside a boundary: give {0}_on and {0}_displacement", stem));
+}
+
+BoundaryCondition read_condition(const std::string& name, bool describe)
+{
+  Options o("bc");
+  const std::string stem = "-bc_" + name;
+  BoundaryCondition c;
+  c.name = name;
+  c.on = o.text(stem + "_on", "", "boundary of the mesh: left, right, bottom, top, or a physical group");
+  const auto box = o.reals(stem + "_box", {}, o.given(stem + "_box") ? 4 : 0, "m", "only what lies in x0,y0,x1,y1");
+  if (!box.empty()) {
+    c.box = geom::Box<2>{{box[0], box[1]}, {box[2], box[3]}};
+    if ((c.box->size().array() < 0.0).any())
+      throw UserError(fmt::format("{}_box is {},{},{},{}: must be x0,y0,x1,y1 with x0 <= x1 and y0 <= y1", stem, box[0],
+                                  box[1], box[2], box[3]));
+  }
+  c.displacement = read_components(o, stem + "_displacement");
+  c.traction = read_vector(o, stem + "_traction", "Pa", "constant traction tx,ty on the boundary");
+  c.body = read_vector(o, stem + "_body", "N/m^3", "body force bx,by");
+  c.force = read_vector(o, stem + "_force", "N", "point force fx,fy on the nearest node or particle");
+  const auto at = read_vector(o, stem + "_at", "m", "place x,y of the point force");
+  if (at) c.at = *at;
+  c.rows = o.integer(stem + "_rows", 1, "particle rows under the boundary that take part", {1.0, 1e6});
+  c.layer = o.boolean(stem + "_layer", false, "hold a layer of one horizon of particles outside the boundary");
+  if (describe) return c;
+  if (c.force && !at) throw UserError(fmt::format("{0}_force needs a place: give {0}_at x,y", stem));
+  judge(c);
+  return c;
+}
+
+std::vector<BoundaryCondition> read_conditions(bool describe)
+{
+  Options o("bc");
+  std::vector<std::string> names = o.texts("-bc_names", {}, "names of the boundary conditions that follow");
+  if (describe) names = {"NAME"};
+  std::vector<BoundaryCondition> conditions;
+  for (const std::string& name : names) {
+    if (std::count(names.begin(), names.end(), name) > 1)
+      throw UserError(fmt::format("-bc_names lists {} twice: names must differ", name));
+    conditions.push_back(read_condition(name, describe));
+  }
+  return conditions;
+}
+
+OutputOptions read_output(const std::string& case_name)
+{
+  Options o("output");
+  OutputOptions output;
+  output.directory = o.text("-output_dir", "out/" + case_name, "directory for all files");
+  output.fields = o.boolean("-output_fields", false, "write fields.h5 and fields.xdmf for ParaView");
+  output.history = o.boolean("-output_history", false, "write history.csv, a row per accepted step");
+  output.quiet = o.boolean("-quiet", false, "no progress");
+  return output;
+}
+
+void judge(const SceneOptions& s)
+{
+  const bool layered = std::any_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.layer; });
+  if (layered && !s.pd.everywhere)
+    throw UserError("-bc_..._layer holds particles outside the body: it needs -pd_patches all");
+  if (s.pd.everywhere && !s.mesh.file.empty())
+    throw UserError(
+        "-pd_patches all makes its own background mesh: give -mesh_lower and -mesh_upper instead of -mesh_file");
+  if (!s.pd.everywhere && s.mesh.file.empty() && s.mesh.cells[0] == 0)
+    throw UserError("-mesh_cells is missing: give the number of cells nx,ny of the box, or a -mesh_file");
+  if (s.reference_fe && layered)
+    throw UserError(
+        "-post_reference_fe cannot stand beside -bc_..._layer: the reference has no material outside the body");
+  if (std::none_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.holds(); }))
+    throw UserError("the body is not held anywhere: give a -bc_NAME_displacement");
+}
+} // namespace
+
+SceneOptions SceneOptions::read(bool describe)
+{
+  SceneOptions s;
+  Options o("scene");
+  static constexpr const char* kinematics[] = {"small", "finite", "mixed"};
+  static constexpr const char* schemes[] = {"energy", "ghost", "interface"};
+  s.case_name = o.text("-case", "case", "name of the case");
+  s.kinematics = static_cast<Kinematics>(
+      o.choice("-kinematics", 0, kinematics, "linear; finite strain; the papers' finite bonds with linear elements"));
+  s.load_steps = o.integer("-load_steps", 1, "equal steps up to the full load", {1.0, 1e9});
+  try {
+    s.mesh = mesh::MeshOptions::read();
+  } catch (const UserError&) {
+    if (!describe) throw;
+  }
+  s.elastic = read_material(describe);
+  s.pd = read_pd(s.elastic, describe);
+  s.scheme = static_cast<couple::Scheme>(
+      Options("couple").choice("-couple_scheme", 0, schemes, "how bonds that leave a patch act on elements"));
+  s.conditions = read_conditions(describe);
+  s.reference_fe =
+      Options("post").boolean("-post_reference_fe", false, "also solve with elements only and report errors (Eq. 28)");
+  s.output = read_output(s.case_name);
+  if (describe) return s;
+  refuse_unknown_options();
+  judge(s);
+  return s;
+}
+} // namespace pdx::app

@@ -1,0 +1,176 @@
+#include "pdx/couple/carried_bonds.hpp"
+
+#include "pdx/base/events.hpp"
+#include "pdx/law/bond_force.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace pdx::couple {
+namespace {
+template <int Dim>
+law::BondState<Dim> state_of(const CarriedBond<Dim>& bond, double length, const Vector<Dim>& eta,
+                             pd::Kinematics kinematics)
+{
+  return kinematics == pd::Kinematics::finite ? law::finite_state<Dim>(bond.xi, length, eta)
+                                              : law::linear_state<Dim>(bond.xi, length, eta);
+}
+} // namespace
+
+/// Dense tangent of consecutive bonds that share their first point: one small matrix per insertion.
+template <int Dim> struct CarriedBonds<Dim>::Panel {
+  std::vector<Index> rows;
+  std::vector<double> values;
+
+  std::size_t place(Index row)
+  {
+    const auto at = std::find(rows.begin(), rows.end(), row);
+    if (at == rows.end()) rows.push_back(row);
+    return static_cast<std::size_t>(at - rows.begin());
+  }
+  void size_values() { values.assign(rows.size() * rows.size() * Dim * Dim, 0.0); }
+  void add(std::size_t r, std::size_t c, double factor, const Tensor<Dim>& block)
+  {
+    const std::size_t width = rows.size() * Dim;
+    for (std::size_t a = 0; a < Dim; ++a)
+      for (std::size_t b = 0; b < Dim; ++b)
+        values[(r * Dim + a) * width + c * Dim + b] +=
+            factor * block(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+  }
+};
+
+template <int Dim>
+CarriedBonds<Dim>::CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> points, std::vector<CarriedBond<Dim>> bonds,
+                                pd::Kinematics kinematics, bool symmetric)
+    : rows_(rows), points_(std::move(points)), bonds_(std::move(bonds)), kinematics_(kinematics), symmetric_(symmetric)
+{}
+
+template <int Dim> void CarriedBonds<Dim>::needed_rows(std::vector<PetscInt>& rows) const
+{
+  rows.insert(rows.end(), points_.all_rows().begin(), points_.all_rows().end());
+}
+
+template <int Dim> void CarriedBonds<Dim>::bind(const field::RowHalo& halo) { points_.bind(halo); }
+
+template <int Dim>
+Vector<Dim> CarriedBonds<Dim>::stretch_vector(const CarriedBond<Dim>& bond, std::span<const double> d) const
+{
+  Vector<Dim> eta;
+  for (std::size_t k = 0; k < Dim; ++k)
+    eta[static_cast<Eigen::Index>(k)] =
+        d[static_cast<std::size_t>(bond.b) * Dim + k] - d[static_cast<std::size_t>(bond.a) * Dim + k];
+  return eta;
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> u, std::span<double> r) const
+{
+  static Event event("couple_force");
+  Timed timed(event);
+  points_.spread(u, spread_);
+  forces_.assign(spread_.size(), 0.0);
+  for (const CarriedBond<Dim>& bond : bonds_) {
+    const auto state = state_of<Dim>(bond, bond.xi.norm(), stretch_vector(bond, spread_), kinematics_);
+    const Vector<Dim> force = bond.kappa * state.stretch * state.direction;
+    for (std::size_t k = 0; k < Dim; ++k) {
+      forces_[static_cast<std::size_t>(bond.force_a) * Dim + k] -= force[static_cast<Eigen::Index>(k)];
+      forces_[static_cast<std::size_t>(bond.force_b) * Dim + k] += force[static_cast<Eigen::Index>(k)];
+    }
+  }
+  points_.collect(forces_, rows_.owned(), r);
+}
+
+/// A bond that several ranks evaluate is counted by the owner of the first row at its first end.
+template <int Dim> double CarriedBonds<Dim>::energy(std::span<const double> u) const
+{
+  double total = 0.0;
+  points_.spread(u, spread_);
+  for (const CarriedBond<Dim>& bond : bonds_) {
+    if (points_.rows(bond.a).front() >= rows_.owned()) continue;
+    const double length = bond.xi.norm();
+    const auto state = state_of<Dim>(bond, length, stretch_vector(bond, spread_), kinematics_);
+    total += law::bond_energy(bond.kappa, length, state.stretch);
+  }
+  return total;
+}
+
+template <int Dim>
+void CarriedBonds<Dim>::add_energy_density(std::span<const double> u, std::span<double> density) const
+{
+  points_.spread(u, spread_);
+  for (const CarriedBond<Dim>& bond : bonds_) {
+    const Index particle = points_.rows(bond.a).front();
+    if (bond.energy_share == 0.0 || particle >= rows_.owned()) continue;
+    const auto state = state_of<Dim>(bond, bond.xi.norm(), stretch_vector(bond, spread_), kinematics_);
+    density[static_cast<std::size_t>(particle)] +=
+        0.5 * law::bond_energy(bond.kappa, bond.energy_share, state.stretch);
+  }
+}
+
+template <int Dim> void CarriedBonds<Dim>::linearise(std::span<const double> u) { points_.spread(u, state_); }
+
+/// Visits the bonds in groups [begin, end) that share point a.
+template <int Dim> template <class Visit> void CarriedBonds<Dim>::for_each_group(Visit&& visit) const
+{
+  for (std::size_t begin = 0; begin < bonds_.size();) {
+    std::size_t end = begin + 1;
+    while (end < bonds_.size() && bonds_[end].a == bonds_[begin].a) ++end;
+    visit(begin, end);
+    begin = end;
+  }
+}
+
+template <int Dim> void CarriedBonds<Dim>::couplings(field::Couplings& couplings, bool) const
+{
+  std::map<Index, std::vector<Index>> columns; // of owned rows, with repeats
+  Panel panel;
+  for_each_group([&](std::size_t begin, std::size_t end) {
+    panel.rows.clear();
+    for (std::size_t k = begin; k < end; ++k)
+      for (const Index point : {bonds_[k].a, bonds_[k].b, bonds_[k].force_a, bonds_[k].force_b})
+        for (const Index row : points_.rows(point)) panel.place(row);
+    for (const Index row : panel.rows) {
+      if (row >= rows_.owned()) continue;
+      auto& list = columns[row];
+      list.insert(list.end(), panel.rows.begin(), panel.rows.end());
+    }
+  });
+  for (auto& [row, list] : columns) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    for (const Index column : list) couplings.add(row, column);
+  }
+}
+
+/// d(force rows)/d(displacement rows): with eta = sum_k g_k u_k the block of rows (k, l) is gF_k g_l K.
+template <int Dim> void CarriedBonds<Dim>::add_jacobian(field::BlockAdder& adder, bool) const
+{
+  static Event event("couple_jacobian");
+  Timed timed(event);
+  Panel panel;
+  for_each_group([&](std::size_t begin, std::size_t end) {
+    panel.rows.clear();
+    for (std::size_t k = begin; k < end; ++k)
+      for (const Index point : {bonds_[k].a, bonds_[k].b, bonds_[k].force_a, bonds_[k].force_b})
+        for (const Index row : points_.rows(point)) panel.place(row);
+    panel.size_values();
+    for (std::size_t k = begin; k < end; ++k) {
+      const CarriedBond<Dim>& bond = bonds_[k];
+      const double length = bond.xi.norm();
+      Vector<Dim> eta = Vector<Dim>::Zero();
+      if (kinematics_ == pd::Kinematics::finite) eta = stretch_vector(bond, state_);
+      const Tensor<Dim> stiffness =
+          law::bond_stiffness<Dim>(bond.kappa, length, state_of<Dim>(bond, length, eta, kinematics_));
+      for (const auto& [force_point, force_sign] : {std::pair{bond.force_a, -1.0}, std::pair{bond.force_b, 1.0}})
+        for (std::size_t f = 0; f < points_.rows(force_point).size(); ++f)
+          for (const auto& [point, sign] : {std::pair{bond.a, -1.0}, std::pair{bond.b, 1.0}})
+            for (std::size_t c = 0; c < points_.rows(point).size(); ++c)
+              panel.add(panel.place(points_.rows(force_point)[f]), panel.place(points_.rows(point)[c]),
+                        force_sign * points_.weights(force_point)[f] * sign * points_.weights(point)[c], stiffness);
+    }
+    adder.add(panel.rows, panel.rows, panel.values);
+  });
+}
+
+template class CarriedBonds<2>;
+template class CarriedBonds<3>;
+} // namespace pdx::couple

@@ -1,0 +1,246 @@
+#include "pdx/couple/schemes.hpp"
+
+#include "pdx/base/events.hpp"
+#include "pdx/geom/clip.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <unordered_map>
+
+namespace pdx::couple {
+namespace {
+using Part = pd::LatticePart<2>;
+constexpr double kShortest = 1e-10; // an inner part below this share of dx is a touch, not a spring
+
+Site<2> stepped(Site<2> site, const Site<2>& step, int sign)
+{
+  site[0] += sign * step[0];
+  site[1] += sign * step[1];
+  return site;
+}
+
+/// A bond before the rows of particles of other ranks are known. `site` >= 0: the end `a` is that particle.
+struct Draft {
+  Index site = -1;
+  PetscInt row = -1; // global row of the particle, -1 while unknown
+  Host a, b, force_a, force_b;
+  Vector<2> xi;
+  double kappa = 0.0, energy_share = 0.0;
+};
+
+/// Writes the drafts of one patch, in order of sites.
+class Drafter {
+public:
+  Drafter(const field::Rows& rows, const CouplingOptions& options, const Part& part, const Surroundings& around)
+      : rows_(rows), options_(options), part_(part), around_(around),
+        exists_(family_of(around, part.stencil(), options.scheme)),
+        mine_(around.edges_of_rows(rows.first, rows.first + rows.owned()))
+  {}
+
+  std::vector<Draft> write()
+  {
+    refuse_homeless_ghosts();
+    for_each_ring_site(part_.stencil().reach, true, [&](const Site<2>& site) { leave_from(site); });
+    if (options_.scheme != Scheme::ghost)
+      for_each_ring_site(part_.stencil().reach, false, [&](const Site<2>& site) { clip_from(site); });
+    return std::move(drafts_);
+  }
+
+private:
+  /// Sites within `width` of the border, on the inner or the outer side.
+  template <class Visit> void for_each_ring_site(Index width, bool inner, Visit&& visit) const
+  {
+    const auto& count = part_.lattice().count;
+    const Index pad = inner ? 0 : width, hole = inner ? width : 0;
+    for (Site<2> site{0, -pad}; site[1] < count[1] + pad; ++site[1])
+      for (site[0] = -pad; site[0] < count[0] + pad; ++site[0]) {
+        if (site[1] >= hole && site[1] < count[1] - hole && site[0] == hole && count[0] > 2 * hole)
+          site[0] = count[0] - hole; // jump over the inside
+        if (site[0] < count[0] + pad) visit(site);
+      }
+  }
+
+  void refuse_homeless_ghosts() const
+  {
+    if (options_.scheme == Scheme::energy) return;
+    for_each_ring_site(part_.stencil().reach, false, [&](const Site<2>& site) {
+      if (!around_.outside(site) || around_.element_host(site).count) return;
+      const Vector<2> x = part_.lattice().point(site);
+      throw UserError(
+          fmt::format("-couple_scheme {} needs plain elements within a horizon of each patch, but the ghost "
+                      "at ({:g}, {:g}) lies in another patch: move the patches apart or use energy",
+                      options_.scheme == Scheme::ghost ? "ghost" : "interface", x[0], x[1]));
+    });
+  }
+
+  double share(const Site<2>& site)
+  {
+    if (!options_.surface_correction) return 1.0;
+    const std::int64_t key = static_cast<std::int64_t>(site[1]) << 32 ^ static_cast<std::uint32_t>(site[0]);
+    const auto [entry, fresh] = shares_.try_emplace(key, 1.0);
+    if (fresh) entry->second = pd::family_share<2>(part_.stencil(), site, exists_);
+    return entry->second;
+  }
+  double surface_factor(const Site<2>& i, const Site<2>& j)
+  {
+    return options_.surface_correction ? 2.0 / (share(i) + share(j)) : 1.0;
+  }
+
+  bool mine(const Host& host) const
+  {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(host.count); ++k)
+      if (rows_.owns(host.rows[k])) return true;
+    return false;
+  }
+
+  /// Bonds from a particle to material outside the patch.
+  void leave_from(const Site<2>& site)
+  {
+    const Index row = part_.row(site);
+    const auto& lattice = part_.lattice();
+    const Vector<2> x = lattice.point(site);
+    const double far = (part_.stencil().reach + 2) * lattice.dx;
+    if (row < 0 && options_.scheme == Scheme::energy && (!mine_ || !mine_->contains(x, far))) return;
+    for (const pd::Arm<2>& arm : part_.stencil().half)
+      for (const int sign : {+1, -1}) {
+        const Site<2> other = stepped(site, arm.step, sign);
+        if (lattice.contains(other) || !around_.outside(other)) continue;
+        Draft draft;
+        draft.site = static_cast<Index>(lattice.number(site));
+        draft.row = row < 0 ? -1 : rows_.first + row;
+        draft.kappa = arm.kappa * surface_factor(site, other);
+        draft.xi = sign * arm.xi;
+        draft.energy_share = arm.length / part_.stencil().volume();
+        if (!place_far_end(draft, x, other)) continue;
+        if (row >= 0 || mine(draft.b) || mine(draft.force_b)) drafts_.push_back(draft);
+      }
+  }
+
+  /// Chooses what carries the outer end; false where the bond leaves through a side without elements behind.
+  bool place_far_end(Draft& draft, const Vector<2>& x, const Site<2>& other) const
+  {
+    std::optional<Host> edge;
+    if (options_.scheme != Scheme::ghost) {
+      const auto part = geom::clip<2>(x, x + draft.xi, around_.shape().box);
+      edge = around_.edge_host(x + part->leave * draft.xi);
+      if (!edge) return false;
+      if (options_.scheme == Scheme::energy) draft.xi *= part->leave;
+    }
+    draft.b = options_.scheme == Scheme::energy ? *edge : around_.element_host(other);
+    draft.force_b = options_.scheme == Scheme::ghost ? draft.b : *edge;
+    return true;
+  }
+
+  /// Bonds between two outside sites whose middle part lies in a corner of the patch.
+  void clip_from(const Site<2>& site)
+  {
+    const auto& lattice = part_.lattice();
+    if (lattice.contains(site) || !around_.outside(site)) return;
+    const Vector<2> x = lattice.point(site);
+    for (const pd::Arm<2>& arm : part_.stencil().half) {
+      const Site<2> other = stepped(site, arm.step, 1);
+      if (lattice.contains(other) || !around_.outside(other)) continue;
+      const auto part = geom::clip<2>(x, x + arm.xi, around_.shape().box);
+      if (!part || (part->leave - part->enter) * arm.length < kShortest * lattice.dx) continue;
+      const auto enter = around_.edge_host(x + part->enter * arm.xi);
+      const auto leave = around_.edge_host(x + part->leave * arm.xi);
+      if (!enter || !leave) continue;
+      Draft draft;
+      draft.kappa = arm.kappa * surface_factor(site, other);
+      draft.force_a = *enter;
+      draft.force_b = *leave;
+      const bool energy = options_.scheme == Scheme::energy;
+      draft.a = energy ? *enter : around_.element_host(site);
+      draft.b = energy ? *leave : around_.element_host(other);
+      draft.xi = energy ? Vector<2>((part->leave - part->enter) * arm.xi) : arm.xi;
+      if (mine(draft.force_a) || mine(draft.force_b)) drafts_.push_back(draft);
+    }
+  }
+
+  const field::Rows& rows_;
+  const CouplingOptions& options_;
+  const Part& part_;
+  const Surroundings& around_;
+  pd::Exists<2> exists_;
+  std::optional<geom::Box<2>> mine_;
+  std::unordered_map<std::int64_t, double> shares_;
+  std::vector<Draft> drafts_;
+};
+
+/// Finds the rows of particles of other ranks. Collective.
+void complete(std::vector<Draft>& drafts, const Part& part)
+{
+  std::vector<Index> sites;
+  for (const Draft& draft : drafts)
+    if (draft.site >= 0 && draft.row < 0) sites.push_back(draft.site);
+  const std::vector<PetscInt> rows = part.directory().rows(sites);
+  std::size_t next = 0;
+  for (Draft& draft : drafts)
+    if (draft.site >= 0 && draft.row < 0) draft.row = rows[next++];
+}
+} // namespace
+
+pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stencil, Scheme scheme)
+{
+  if (scheme != Scheme::ghost) return [&around](const Site<2>& site) { return around.exists(site); };
+  const Index layers = pd::family_reach(stencil);
+  return [&around, layers](const Site<2>& site) {
+    const auto& count = around.shape().lattice.count;
+    return site[0] >= -layers && site[1] >= -layers && site[0] < count[0] + layers && site[1] < count[1] + layers &&
+           around.exists(site);
+  };
+}
+
+std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const CouplingOptions& options,
+                                             std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
+                                             std::span<const Surroundings> around)
+{
+  static Event event("couple_bonds");
+  Timed timed(event);
+  CarriedPoints<2> points;
+  std::vector<CarriedBond<2>> bonds;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    std::vector<Draft> drafts = Drafter(rows, options, *parts[p], around[p]).write();
+    complete(drafts, *parts[p]);
+    PetscInt last_row = -1;
+    Index last_point = -1;
+    for (const Draft& draft : drafts) {
+      CarriedBond<2> bond;
+      bond.xi = draft.xi;
+      bond.kappa = draft.kappa;
+      bond.energy_share = draft.energy_share;
+      if (draft.site >= 0) {
+        if (draft.row != last_row) last_point = points.add({{draft.row, -1, -1, -1}, {1.0, 0.0, 0.0, 0.0}, 1});
+        last_row = draft.row;
+        bond.a = bond.force_a = last_point;
+      } else {
+        bond.a = points.add(draft.a);
+        bond.force_a = options.scheme == Scheme::interface ? points.add(draft.force_a) : bond.a;
+      }
+      bond.b = points.add(draft.b);
+      bond.force_b = options.scheme == Scheme::interface ? points.add(draft.force_b) : bond.b;
+      bonds.push_back(bond);
+    }
+  }
+  return std::make_unique<CarriedBonds<2>>(rows, std::move(points), std::move(bonds), options.kinematics,
+                                           options.scheme != Scheme::interface);
+}
+
+Index count_ghosts(std::span<const Surroundings> around, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts)
+{
+  Index ghosts = 0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const auto& lattice = parts[p]->lattice();
+    const Index reach = parts[p]->stencil().reach;
+    for (Site<2> site{0, -reach}; site[1] < lattice.count[1] + reach; ++site[1])
+      for (site[0] = -reach; site[0] < lattice.count[0] + reach; ++site[0]) {
+        if (!around[p].outside(site)) continue;
+        bool bonded = false;
+        for (const pd::Arm<2>& arm : parts[p]->stencil().half)
+          for (const int sign : {+1, -1}) bonded |= lattice.contains(stepped(site, arm.step, sign));
+        ghosts += bonded;
+      }
+  }
+  return ghosts;
+}
+} // namespace pdx::couple

@@ -1,0 +1,27 @@
+#include "pdx/field/system.hpp"
+
+#include <algorithm>
+
+namespace pdx::field {
+void System::bind(const std::vector<PetscInt>& also_needed)
+{
+  std::vector<PetscInt> needed = also_needed;
+  for (const auto& term : terms) term->needed_rows(needed);
+  halo = std::make_unique<RowHalo>(rows, std::move(needed));
+  for (const auto& term : terms) term->bind(*halo);
+  std::vector<double> flags(static_cast<std::size_t>(rows.owned() * rows.dim), 0.0), all;
+  for (const Index component : prescribed.components) flags[static_cast<std::size_t>(component)] = 1.0;
+  halo->fetch(flags, rows.dim, all);
+  held.assign(all.begin(), all.end());
+}
+
+bool System::linear() const
+{
+  return std::all_of(terms.begin(), terms.end(), [](const auto& term) { return term->constant_jacobian(); });
+}
+
+bool System::symmetric() const
+{
+  return std::all_of(terms.begin(), terms.end(), [](const auto& term) { return term->symmetric(); });
+}
+}  // namespace pdx::field

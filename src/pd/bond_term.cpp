@@ -1,0 +1,150 @@
+#include "pdx/pd/bond_term.hpp"
+
+#include "pdx/base/events.hpp"
+#include "pdx/law/bond_force.hpp"
+
+namespace pdx::pd {
+template <int Dim>
+BondTerm<Dim>::BondTerm(std::vector<std::unique_ptr<LatticePart<Dim>>> parts, Kinematics kinematics, bool assembled)
+    : parts_(std::move(parts)), kinematics_(kinematics), assembled_(assembled)
+{
+  for (const auto& part : parts_) {
+    scratch_.push_back(part->window());
+    if (kinematics_ == Kinematics::finite) state_.push_back(part->window());
+  }
+}
+
+template <int Dim> void BondTerm<Dim>::needed_rows(std::vector<PetscInt>& rows) const
+{
+  if (!assembled_) return;
+  for (const auto& part : parts_) rows.insert(rows.end(), part->halo_rows().begin(), part->halo_rows().end());
+}
+
+template <int Dim> void BondTerm<Dim>::bind(const field::RowHalo& halo)
+{
+  halo_ = &halo;
+  if (!assembled_) return;
+  for (const auto& part : parts_) part->number_halo(halo);
+}
+
+template <int Dim> void BondTerm<Dim>::add_residual(std::span<const double> u, std::span<double> r) const
+{
+  static Event event("pd_force");
+  Timed timed(event);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    parts_[p]->load(u, scratch_[p]);
+    add_force<Dim>(parts_[p]->view(scratch_[p]), parts_[p]->force_runs(), kinematics_, r.data());
+  }
+}
+
+template <int Dim> std::vector<double> BondTerm<Dim>::energy_density(std::span<const double> u) const
+{
+  std::vector<double> density(static_cast<std::size_t>(halo_->rows().owned()), 0.0);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    parts_[p]->load(u, scratch_[p]);
+    add_energy_density<Dim>(parts_[p]->view(scratch_[p]), parts_[p]->force_runs(), kinematics_,
+                            parts_[p]->stencil().volume(), density.data());
+  }
+  return density;
+}
+
+template <int Dim> double BondTerm<Dim>::energy(std::span<const double> u) const
+{
+  double total = 0.0;
+  const std::vector<double> density = energy_density(u);
+  for (const auto& part : parts_)
+    for (std::size_t k = 0; k < part->sites().size(); ++k)
+      total += density[static_cast<std::size_t>(part->first_row()) + k] * part->stencil().volume();
+  return total;
+}
+
+template <int Dim> void BondTerm<Dim>::linearise(std::span<const double> u)
+{
+  for (std::size_t p = 0; p < state_.size(); ++p) parts_[p]->load(u, state_[p]);
+}
+
+template <int Dim> void BondTerm<Dim>::couplings(field::Couplings& couplings, bool whole) const
+{
+  if (!whole) return;
+  for (const auto& part : parts_) {
+    for (Index k = 0; k < static_cast<Index>(part->sites().size()); ++k)
+      part->for_each_bond(k, [&](std::size_t, int, const Site<Dim>& other, double) {
+        const auto row = static_cast<std::size_t>(part->first_row() + k);
+        ++(part->row(other) < halo_->rows().owned() ? couplings.diagonal : couplings.off_diagonal)[row];
+      });
+  }
+}
+
+template <int Dim> void BondTerm<Dim>::add_diagonal(field::BlockAdder& adder) const
+{
+  constexpr std::size_t block = Dim * Dim;
+  std::vector<double> diagonal(static_cast<std::size_t>(halo_->rows().owned()) * block, 0.0);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    if (kinematics_ == Kinematics::linear)
+      diagonal_blocks<Dim>(parts_[p]->view(scratch_[p]), parts_[p]->force_runs(), diagonal.data());
+    else
+      diagonal_blocks_finite<Dim>(parts_[p]->view(state_[p]), parts_[p]->force_runs(), diagonal.data());
+  }
+  for (const auto& part : parts_)
+    for (std::size_t k = 0; k < part->sites().size(); ++k) {
+      const Index row = part->first_row() + static_cast<Index>(k);
+      adder.add({&row, 1}, {&row, 1}, {diagonal.data() + static_cast<std::size_t>(row) * block, block});
+    }
+}
+
+template <int Dim>
+void BondTerm<Dim>::add_whole(field::BlockAdder& adder, const LatticePart<Dim>& part, std::size_t number) const
+{
+  const bool finite = kinematics_ == Kinematics::finite;
+  const auto& arms = part.stencil().half;
+  std::vector<Index> columns;
+  std::vector<Tensor<Dim>> blocks;
+  std::vector<double> panel;
+  for (Index k = 0; k < static_cast<Index>(part.sites().size()); ++k) {
+    const Index row = part.first_row() + k;
+    columns.assign(1, row);
+    blocks.assign(1, Tensor<Dim>::Zero());
+    part.for_each_bond(k, [&](std::size_t h, int sign, const Site<Dim>& other, double weight) {
+      const Vector<Dim> xi = sign * arms[h].xi;
+      const auto state = finite ? law::finite_state<Dim>(xi, arms[h].length, part.relative(state_[number], k, h, sign))
+                                : law::linear_state<Dim>(xi, arms[h].length, Vector<Dim>::Zero());
+      const Tensor<Dim> stiffness = law::bond_stiffness<Dim>(weight * arms[h].kappa, arms[h].length, state);
+      columns.push_back(part.row(other));
+      blocks.push_back(-stiffness);
+      blocks[0] += stiffness;
+    });
+    const std::size_t width = columns.size() * Dim;
+    panel.resize(Dim * width);
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      for (int a = 0; a < Dim; ++a)
+        for (int b = 0; b < Dim; ++b)
+          panel[static_cast<std::size_t>(a) * width + c * Dim + static_cast<std::size_t>(b)] = blocks[c](a, b);
+    adder.add({&row, 1}, columns, panel);
+  }
+}
+
+template <int Dim> void BondTerm<Dim>::add_jacobian(field::BlockAdder& adder, bool whole) const
+{
+  static Event event("pd_jacobian");
+  Timed timed(event);
+  if (!whole) return add_diagonal(adder);
+  for (std::size_t p = 0; p < parts_.size(); ++p) add_whole(adder, *parts_[p], p);
+}
+
+template <int Dim> void BondTerm<Dim>::add_tangent_action(std::span<const double> x, std::span<double> y) const
+{
+  static Event event("pd_tangent");
+  Timed timed(event);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    parts_[p]->load(x, scratch_[p]);
+    if (kinematics_ == Kinematics::linear)
+      subtract_neighbours<Dim>(parts_[p]->view(scratch_[p]), parts_[p]->linear_runs(), y.data());
+    else
+      subtract_neighbours_finite<Dim>(parts_[p]->view(state_[p]), parts_[p]->view(scratch_[p]).u,
+                                      parts_[p]->force_runs(), y.data());
+  }
+}
+
+template class BondTerm<2>;
+template class BondTerm<3>;
+} // namespace pdx::pd

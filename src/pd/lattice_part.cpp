@@ -1,0 +1,293 @@
+#include "pdx/pd/lattice_part.hpp"
+
+#include "pdx/base/events.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace pdx::pd {
+namespace {
+constexpr Index kPadding = 16; // kernels may read this far past the last particle of a row
+
+template <int Dim> Site<Dim> shifted(Site<Dim> site, const Site<Dim>& step, Index times)
+{
+  for (std::size_t d = 0; d < Dim; ++d) site[d] += times * step[d];
+  return site;
+}
+} // namespace
+
+template <int Dim> int family_reach(const Stencil<Dim>& stencil)
+{
+  int reach = 0;
+  for (const auto* arms : {&stencil.half, &stencil.mute})
+    for (const Arm<Dim>& arm : *arms)
+      for (const Index step : arm.step) reach = std::max(reach, std::abs(step));
+  return reach;
+}
+
+template <int Dim> double family_share(const Stencil<Dim>& stencil, const Site<Dim>& site, const Exists<Dim>& exists)
+{
+  double missing = 0.0;
+  for (const auto* arms : {&stencil.half, &stencil.mute})
+    for (const Arm<Dim>& arm : *arms)
+      for (const Index sign : {1, -1})
+        if (!exists(shifted<Dim>(site, arm.step, sign))) missing += arm.volume_share;
+  return 1.0 - missing * stencil.volume() / stencil.family_volume_full();
+}
+template int family_reach<2>(const Stencil<2>&);
+template int family_reach<3>(const Stencil<3>&);
+template double family_share<2>(const Stencil<2>&, const Site<2>&, const Exists<2>&);
+template double family_share<3>(const Stencil<3>&, const Site<3>&, const Exists<3>&);
+
+template <int Dim>
+LatticePart<Dim>::LatticePart(const field::Rows& rows, geom::Lattice<Dim> lattice, Stencil<Dim> stencil,
+                              std::vector<Index> sites, Index first_row, const Exists<Dim>& exists)
+    : rows_(rows), lattice_(std::move(lattice)), stencil_(std::move(stencil)), sites_(std::move(sites)),
+      first_row_(first_row), directory_(rows.comm, static_cast<Index>(lattice_.total()), sites_, rows.first + first_row)
+{
+  place_window();
+  write_bond_words();
+  if (exists) write_shares(exists);
+  collect_halo();
+  make_runs();
+}
+
+template <int Dim> void LatticePart<Dim>::place_window()
+{
+  Site<Dim> upper{};
+  lower_.fill(std::numeric_limits<Index>::max());
+  upper.fill(std::numeric_limits<Index>::lowest());
+  for (const Index number : sites_) {
+    const Site<Dim> site = lattice_.site(number);
+    for (std::size_t d = 0; d < Dim; ++d) {
+      lower_[d] = std::min(lower_[d], site[d]);
+      upper[d] = std::max(upper[d], site[d]);
+    }
+  }
+  window_size_ = sites_.empty() ? 0 : 1;
+  for (std::size_t d = 0; d < Dim; ++d) {
+    lower_[d] -= stencil_.reach;
+    extent_[d] = sites_.empty() ? 0 : upper[d] - lower_[d] + 1 + stencil_.reach;
+    if (d == 0 && !sites_.empty()) extent_[0] = (extent_[0] + kPadding + 7) / 8 * 8;
+    stride_[d] = window_size_;
+    window_size_ *= extent_[d];
+  }
+  if (window_size_) window_size_ += kPadding;
+  for (const Arm<Dim>& arm : stencil_.half) {
+    HalfArm<Dim> half{0, {}, arm.length, arm.kappa};
+    for (std::size_t d = 0; d < Dim; ++d) {
+      half.jump += arm.step[d] * stride_[d];
+      half.xi[d] = arm.xi[static_cast<Eigen::Index>(d)];
+    }
+    arms_.push_back(half);
+  }
+  local_rows_.assign(static_cast<std::size_t>(window_size_), -1);
+  for (std::size_t k = 0; k < sites_.size(); ++k)
+    local_rows_[static_cast<std::size_t>(at(lattice_.site(sites_[k])))] = first_row_ + static_cast<Index>(k);
+}
+
+template <int Dim> std::ptrdiff_t LatticePart<Dim>::at(const Site<Dim>& site) const
+{
+  std::ptrdiff_t position = 0;
+  for (std::size_t d = 0; d < Dim; ++d) position += (site[d] - lower_[d]) * stride_[d];
+  return position;
+}
+
+template <int Dim> bool LatticePart<Dim>::in_window(const Site<Dim>& site) const
+{
+  for (std::size_t d = 0; d < Dim; ++d)
+    if (site[d] < lower_[d] || site[d] >= lower_[d] + extent_[d]) return false;
+  return true;
+}
+
+template <int Dim> Index LatticePart<Dim>::row(const Site<Dim>& site) const
+{
+  return in_window(site) ? local_rows_[static_cast<std::size_t>(at(site))] : -1;
+}
+
+template <int Dim> bool LatticePart<Dim>::has_bond(std::ptrdiff_t at, std::size_t arm) const
+{
+  return words_[arm / 64][static_cast<std::size_t>(at)] >> (arm % 64) & 1u;
+}
+
+/// A bond belongs to its lower end: bit h of a site says that the bond along half arm h is there and intact. Bonds of
+/// owned particles start at owned sites or within reach of them, so only those words are written.
+template <int Dim> void LatticePart<Dim>::write_bond_words()
+{
+  const std::size_t planes = (arms_.size() + 63) / 64;
+  for (std::size_t p = 0; p < planes; ++p) words_[p].assign(static_cast<std::size_t>(window_size_), 0);
+  std::array<std::uint64_t, 2> all{0, 0};
+  for (std::size_t h = 0; h < arms_.size(); ++h) all[h / 64] |= std::uint64_t{1} << (h % 64);
+  const auto write = [&](const Site<Dim>& site, std::size_t position) {
+    bool inner = true;
+    for (std::size_t d = 0; d < Dim; ++d)
+      inner &= site[d] >= stencil_.reach && site[d] < lattice_.count[d] - stencil_.reach;
+    for (std::size_t p = 0; inner && p < planes; ++p) words_[p][position] = all[p];
+    if (inner || !lattice_.contains(site)) return;
+    for (std::size_t h = 0; h < arms_.size(); ++h)
+      if (lattice_.contains(shifted<Dim>(site, stencil_.half[h].step, 1)))
+        words_[h / 64][position] |= std::uint64_t{1} << (h % 64);
+  };
+  Site<Dim> site = lower_;
+  for (std::ptrdiff_t k = 0; k + kPadding < window_size_; ++k) {
+    write(site, static_cast<std::size_t>(k));
+    for (std::size_t d = 0; d < Dim; ++d) {
+      if (++site[d] < lower_[d] + extent_[d]) break;
+      site[d] = lower_[d];
+    }
+  }
+}
+
+/// Family-volume share q = V_i / V_0 of the volume method; it stays empty where every family is complete.
+template <int Dim> void LatticePart<Dim>::write_shares(const Exists<Dim>& exists)
+{
+  const int reach = family_reach(stencil_);
+  bool corrected = false;
+  share_.assign(static_cast<std::size_t>(window_size_), 1.0);
+  const auto set = [&](const Site<Dim>& site) {
+    bool inner = true;
+    for (std::size_t d = 0; d < Dim; ++d) inner &= site[d] >= reach && site[d] < lattice_.count[d] - reach;
+    if (inner || !in_window(site) || !lattice_.contains(site)) return;
+    double& share = share_[static_cast<std::size_t>(at(site))];
+    share = family_share<Dim>(stencil_, site, exists);
+    corrected |= share != 1.0;
+  };
+  Site<Dim> site = lower_;
+  for (std::ptrdiff_t k = 0; k + kPadding < window_size_; ++k) {
+    set(site);
+    for (std::size_t d = 0; d < Dim; ++d) {
+      if (++site[d] < lower_[d] + extent_[d]) break;
+      site[d] = lower_[d];
+    }
+  }
+  int any = corrected;
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_LOR, rows_.comm);
+  if (!any) share_.clear();
+}
+
+template <int Dim> void LatticePart<Dim>::collect_halo()
+{
+  std::vector<std::uint8_t> seen(static_cast<std::size_t>(window_size_), 0);
+  std::vector<Index> wanted;
+  for (std::size_t k = 0; k < sites_.size(); ++k) {
+    const Site<Dim> site = lattice_.site(sites_[k]);
+    const std::ptrdiff_t i = at(site);
+    for (std::size_t h = 0; h < arms_.size(); ++h)
+      for (const Index sign : {1, -1}) {
+        const std::ptrdiff_t j = i + sign * arms_[h].jump;
+        if (local_rows_[static_cast<std::size_t>(j)] >= 0 || seen[static_cast<std::size_t>(j)]) continue;
+        seen[static_cast<std::size_t>(j)] = 1;
+        const Site<Dim> other = shifted<Dim>(site, stencil_.half[h].step, sign);
+        if (!lattice_.contains(other)) continue;
+        wanted.push_back(static_cast<Index>(lattice_.number(other)));
+        halo_at_.push_back(j);
+      }
+  }
+  halo_rows_ = directory_.rows(wanted);
+  PetscLayout layout = nullptr;
+  PDX_CALL(PetscLayoutCreateFromSizes(rows_.comm, rows_.owned(), rows_.total, 1, &layout));
+  PDX_CALL(PetscSFCreate(rows_.comm, halo_sf_.out()));
+  PDX_CALL(PetscSFSetGraphLayout(halo_sf_.get(), layout, static_cast<PetscInt>(halo_rows_.size()), nullptr,
+                                 PETSC_COPY_VALUES, halo_rows_.data()));
+  PDX_CALL(PetscSFSetUp(halo_sf_.get()));
+  PDX_CALL(PetscLayoutDestroy(&layout));
+  halo_buffer_.resize(halo_rows_.size() * Dim);
+}
+
+template <int Dim> void LatticePart<Dim>::number_halo(const field::RowHalo& halo)
+{
+  for (std::size_t k = 0; k < halo_at_.size(); ++k)
+    local_rows_[static_cast<std::size_t>(halo_at_[k])] = halo.local(halo_rows_[k]);
+}
+
+template <int Dim>
+Vector<Dim> LatticePart<Dim>::relative(const Window& window, Index k, std::size_t arm, int sign) const
+{
+  const std::ptrdiff_t i = at(lattice_.site(sites_[static_cast<std::size_t>(k)]));
+  const std::ptrdiff_t j = i + sign * arms_[arm].jump;
+  Vector<Dim> eta;
+  for (std::size_t d = 0; d < Dim; ++d)
+    eta[static_cast<Eigen::Index>(d)] = window[d][static_cast<std::size_t>(j)] - window[d][static_cast<std::size_t>(i)];
+  return eta;
+}
+
+template <int Dim> void LatticePart<Dim>::make_runs()
+{
+  const auto append = [](std::vector<Run>& runs, std::ptrdiff_t position, Index row, RunKind kind) {
+    if (!runs.empty()) {
+      Run& last = runs.back();
+      if (last.kind == kind && last.at + last.length == position && last.row + last.length == row) {
+        ++last.length;
+        return;
+      }
+    }
+    runs.push_back({position, row, 1, kind});
+  };
+  for (std::size_t k = 0; k < sites_.size(); ++k) {
+    const std::ptrdiff_t i = at(lattice_.site(sites_[k]));
+    const Index row = first_row_ + static_cast<Index>(k);
+    bool complete = true, plain = true;
+    for (std::size_t h = 0; h < arms_.size(); ++h)
+      for (const Index sign : {1, -1}) {
+        const std::ptrdiff_t j = i + sign * arms_[h].jump;
+        const bool there = has_bond(sign > 0 ? i : j, h);
+        complete &= there;
+        if (there && !share_.empty())
+          plain &= share_[static_cast<std::size_t>(i)] == 1.0 && share_[static_cast<std::size_t>(j)] == 1.0;
+      }
+    append(segments_, i, row, RunKind::whole);
+    append(force_runs_, i, row, complete && plain ? RunKind::whole : RunKind::partial);
+    append(linear_runs_, i, row, plain ? RunKind::whole : RunKind::partial);
+  }
+}
+
+template <int Dim> typename LatticePart<Dim>::Window LatticePart<Dim>::window() const
+{
+  Window window;
+  for (auto& component : window) component.assign(static_cast<std::size_t>(window_size_), 0.0);
+  return window;
+}
+
+template <int Dim> void LatticePart<Dim>::load(std::span<const double> owned, Window& window) const
+{
+  static Event event("pd_halo");
+  const bool travels = rows_.owned() != rows_.total;
+  MPI_Datatype block = MPI_DATATYPE_NULL;
+  if (travels) {
+    Timed timed(event);
+    MPI_Type_contiguous(Dim, MPI_DOUBLE, &block);
+    MPI_Type_commit(&block);
+    PDX_CALL(PetscSFBcastBegin(halo_sf_.get(), block, owned.data(), halo_buffer_.data(), MPI_REPLACE));
+  }
+  for (const Run& run : segments_) {
+    const double* from = owned.data() + static_cast<std::ptrdiff_t>(run.row) * Dim;
+    std::array<double*, Dim> to;
+    for (std::size_t d = 0; d < Dim; ++d) to[d] = window[d].data() + run.at;
+    for (std::ptrdiff_t k = 0; k < run.length; ++k)
+      for (std::size_t d = 0; d < Dim; ++d) to[d][k] = from[k * Dim + static_cast<std::ptrdiff_t>(d)];
+  }
+  if (!travels) return;
+  PDX_CALL(PetscSFBcastEnd(halo_sf_.get(), block, owned.data(), halo_buffer_.data(), MPI_REPLACE));
+  MPI_Type_free(&block);
+  for (std::size_t k = 0; k < halo_at_.size(); ++k)
+    for (std::size_t d = 0; d < Dim; ++d) window[d][static_cast<std::size_t>(halo_at_[k])] = halo_buffer_[k * Dim + d];
+}
+
+template <int Dim> BondView<Dim> LatticePart<Dim>::view(const Window& window) const
+{
+  BondView<Dim> view{};
+  for (std::size_t d = 0; d < Dim; ++d) view.u[d] = window[d].data();
+  view.words = {words_[0].data(), words_[1].data()};
+  view.share = share_.empty() ? nullptr : share_.data();
+  view.arms = arms_;
+  return view;
+}
+
+template <int Dim> std::size_t LatticePart<Dim>::bytes() const
+{
+  return (words_[0].size() + words_[1].size() + share_.size()) * 8 + local_rows_.size() * sizeof(Index);
+}
+
+template class LatticePart<2>;
+template class LatticePart<3>;
+} // namespace pdx::pd

@@ -1,0 +1,123 @@
+#include "pdx/solve/tangent_operator.hpp"
+
+#include "pdx/base/events.hpp"
+#include "pdx/solve/rigid_modes.hpp"
+
+#include <algorithm>
+
+namespace pdx::solve {
+TangentOperator::TangentOperator(const field::System& system, bool assembled) : system_(system), assembled_(assembled)
+{
+  held_components_ = system.prescribed.components;
+  make_sparse();
+  if (!assembled_) make_shell();
+}
+
+void TangentOperator::make_sparse()
+{
+  const field::Rows& rows = system_.rows;
+  field::Couplings couplings(*system_.halo);
+  for (const auto& term : system_.terms) term->couplings(couplings, assembled_);
+  PDX_CALL(MatCreate(rows.comm, sparse_.out()));
+  PDX_CALL(
+      MatSetSizes(sparse_.get(), rows.dim * rows.owned(), rows.dim * rows.owned(), PETSC_DETERMINE, PETSC_DETERMINE));
+  PDX_CALL(MatSetBlockSize(sparse_.get(), rows.dim));
+  // Blocks multiply faster; preconditioners (GAMG, factorisations) want plain rows.
+  PDX_CALL(MatSetType(sparse_.get(), assembled_ ? MATAIJ : MATBAIJ));
+  PDX_CALL(MatXAIJSetPreallocation(sparse_.get(), rows.dim, couplings.diagonal.data(), couplings.off_diagonal.data(),
+                                   nullptr, nullptr));
+  PDX_CALL(MatSetOption(sparse_.get(), MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
+  if (!assembled_) return;
+  const NullSpaceHandle modes = rigid_modes(rows, system_.coordinates);
+  PDX_CALL(MatSetNearNullSpace(sparse_.get(), modes.get()));
+  if (system_.symmetric()) {
+    PDX_CALL(MatSetOption(sparse_.get(), MAT_SYMMETRIC, PETSC_TRUE));
+    PDX_CALL(MatSetOption(sparse_.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+    if (system_.linear()) PDX_CALL(MatSetOption(sparse_.get(), MAT_SPD, PETSC_TRUE));
+  }
+}
+
+void TangentOperator::make_shell()
+{
+  const field::Rows& rows = system_.rows;
+  const PetscInt local = rows.dim * rows.owned();
+  PDX_CALL(MatCreateShell(rows.comm, local, local, PETSC_DETERMINE, PETSC_DETERMINE, this, shell_.out()));
+  PDX_CALL(MatSetBlockSize(shell_.get(), rows.dim));
+  const auto set = [&](MatOperation operation, auto function) {
+    PDX_CALL(MatShellSetOperation(shell_.get(), operation, reinterpret_cast<void (*)()>(function)));
+  };
+  set(MATOP_MULT, multiply);
+  set(MATOP_GET_DIAGONAL, diagonal);
+  set(MATOP_INVERT_BLOCK_DIAGONAL, inverse_diagonal_blocks);
+  if (!system_.symmetric()) return;
+  set(MATOP_MULT_TRANSPOSE, multiply);
+  PDX_CALL(MatSetOption(shell_.get(), MAT_SYMMETRIC, PETSC_TRUE));
+  PDX_CALL(MatSetOption(shell_.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+}
+
+void TangentOperator::update(std::span<const double> u)
+{
+  static Event event("solve_jacobian");
+  Timed timed(event);
+  for (const auto& term : system_.terms) term->linearise(u);
+  if (assemblies_) PDX_CALL(MatZeroEntries(sparse_.get()));
+  field::BlockAdder adder(sparse_.get(), *system_.halo, system_.held);
+  for (const auto& term : system_.terms) term->add_jacobian(adder, assembled_);
+  adder.finish(system_.scale);
+  if (shell_) {  // tells solvers that the operator changed
+    PDX_CALL(MatAssemblyBegin(shell_.get(), MAT_FINAL_ASSEMBLY));
+    PDX_CALL(MatAssemblyEnd(shell_.get(), MAT_FINAL_ASSEMBLY));
+  }
+  ++assemblies_;
+}
+
+/// y = sparse x + what the Terms add; prescribed components pass through with `scale`, as in the sparse part.
+void TangentOperator::apply(Vec x, Vec y)
+{
+  PDX_CALL(MatMult(sparse_.get(), x, y));
+  const double* from = nullptr;
+  double* to = nullptr;
+  PDX_CALL(VecGetArrayRead(x, &from));
+  PDX_CALL(VecGetArray(y, &to));
+  const auto size = static_cast<std::size_t>(system_.rows.owned() * system_.rows.dim);
+  std::span<const double> free{from, size};
+  const bool clean = std::all_of(held_components_.begin(), held_components_.end(),
+                                 [&](Index k) { return from[static_cast<std::size_t>(k)] == 0.0; });
+  if (!clean) {
+    masked_.assign(from, from + size);
+    for (const Index k : held_components_) masked_[static_cast<std::size_t>(k)] = 0.0;
+    free = masked_;
+  }
+  for (const auto& term : system_.terms) term->add_tangent_action(free, {to, size});
+  for (const Index k : held_components_) to[k] = system_.scale * from[k];
+  PDX_CALL(VecRestoreArray(y, &to));
+  PDX_CALL(VecRestoreArrayRead(x, &from));
+}
+
+PetscErrorCode TangentOperator::multiply(Mat shell, Vec x, Vec y)
+{
+  return guard([&] {
+    TangentOperator* self = nullptr;
+    PDX_CALL(MatShellGetContext(shell, &self));
+    self->apply(x, y);
+  });
+}
+
+PetscErrorCode TangentOperator::diagonal(Mat shell, Vec d)
+{
+  return guard([&] {
+    TangentOperator* self = nullptr;
+    PDX_CALL(MatShellGetContext(shell, &self));
+    PDX_CALL(MatGetDiagonal(self->sparse_.get(), d));
+  });
+}
+
+PetscErrorCode TangentOperator::inverse_diagonal_blocks(Mat shell, const PetscScalar** values)
+{
+  return guard([&] {
+    TangentOperator* self = nullptr;
+    PDX_CALL(MatShellGetContext(shell, &self));
+    PDX_CALL(MatInvertBlockDiagonal(self->sparse_.get(), values));
+  });
+}
+} // namespace pdx::solve
