@@ -276,15 +276,18 @@ void add_energy_density(const BondView<Dim>& view, std::span<const Run> runs, Ki
     sweep(view, runs, EnergyDensity<Dim, Kinematics::linear>{volume}, density);
 }
 
-#define PDX_INSTANTIATE(Dim)                                                                                           \
-  template void subtract_neighbours<Dim>(const BondView<Dim>&, std::span<const Run>, double*);                         \
-  template void diagonal_blocks<Dim>(const BondView<Dim>&, std::span<const Run>, double*);                             \
-  template void add_force<Dim>(const BondView<Dim>&, std::span<const Run>, Kinematics, double*);                       \
-  template void subtract_neighbours_finite<Dim>(                                                                       \
-      const BondView<Dim>&, std::type_identity_t<std::array<const double*, Dim>>, std::span<const Run>, double*);      \
-  template void diagonal_blocks_finite<Dim>(const BondView<Dim>&, std::span<const Run>, double*);                      \
-  template void add_energy_density<Dim>(const BondView<Dim>&, std::span<const Run>, Kinematics, double, double*);
-PDX_INSTANTIATE(2)
-PDX_INSTANTIATE(3)
-#undef PDX_INSTANTIATE
+template void subtract_neighbours<2>(const BondView<2>&, std::span<const Run>, double*);
+template void diagonal_blocks<2>(const BondView<2>&, std::span<const Run>, double*);
+template void add_force<2>(const BondView<2>&, std::span<const Run>, Kinematics, double*);
+template void subtract_neighbours_finite<2>(const BondView<2>&, std::array<const double*, 2>, std::span<const Run>,
+                                            double*);
+template void diagonal_blocks_finite<2>(const BondView<2>&, std::span<const Run>, double*);
+template void add_energy_density<2>(const BondView<2>&, std::span<const Run>, Kinematics, double, double*);
+template void subtract_neighbours<3>(const BondView<3>&, std::span<const Run>, double*);
+template void diagonal_blocks<3>(const BondView<3>&, std::span<const Run>, double*);
+template void add_force<3>(const BondView<3>&, std::span<const Run>, Kinematics, double*);
+template void subtract_neighbours_finite<3>(const BondView<3>&, std::array<const double*, 3>, std::span<const Run>,
+                                            double*);
+template void diagonal_blocks_finite<3>(const BondView<3>&, std::span<const Run>, double*);
+template void add_energy_density<3>(const BondView<3>&, std::span<const Run>, Kinematics, double, double*);
 } // namespace pdx::pd
