@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <gtest/gtest.h>
+#include <petscdmplex.h>
 
 using namespace pdx::mesh;
 using pdx::Index;
