@@ -1,5 +1,7 @@
 #include "pdx/mesh/mesh.hpp"
 
+#include <algorithm>
+
 namespace pdx::mesh {
 namespace {
 MPI_Comm comm_of(const DmHandle& plex)

@@ -75,7 +75,7 @@ public:
   /// Number of the patch that covers cell c, -1 for a plain cell.
   int patch(Index c) const { return patch_[static_cast<std::size_t>(c)]; }
   void cover(Index c, int patch);
-  void uncover();  ///< makes every cell plain again
+  void uncover(); ///< makes every cell plain again
   /// Local cells of one use, overlap included: lists, so that loops carry no ifs.
   std::span<const Index> cells(Use use) const;
 
