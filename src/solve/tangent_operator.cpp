@@ -18,6 +18,9 @@ void TangentOperator::make_sparse()
   const field::Rows& rows = system_.rows;
   field::Couplings couplings(*system_.halo);
   for (const auto& term : system_.terms) term->couplings(couplings, assembled_);
+  // Bounds of several Terms add up: on a small scene they may pass what a row can hold, which PETSc refuses.
+  for (PetscInt& blocks : couplings.diagonal) blocks = std::min(blocks, rows.owned());
+  for (PetscInt& blocks : couplings.off_diagonal) blocks = std::min(blocks, rows.total - rows.owned());
   PDX_CALL(MatCreate(rows.comm, sparse_.out()));
   PDX_CALL(
       MatSetSizes(sparse_.get(), rows.dim * rows.owned(), rows.dim * rows.owned(), PETSC_DETERMINE, PETSC_DETERMINE));
@@ -64,7 +67,7 @@ void TangentOperator::update(std::span<const double> u)
   field::BlockAdder adder(sparse_.get(), *system_.halo, system_.held);
   for (const auto& term : system_.terms) term->add_jacobian(adder, assembled_);
   adder.finish(system_.scale);
-  if (shell_) {  // tells solvers that the operator changed
+  if (shell_) { // tells solvers that the operator changed
     PDX_CALL(MatAssemblyBegin(shell_.get(), MAT_FINAL_ASSEMBLY));
     PDX_CALL(MatAssemblyEnd(shell_.get(), MAT_FINAL_ASSEMBLY));
   }
