@@ -70,26 +70,40 @@ void StaticDriver::prescribe(Vec u, double load) const
 
 std::vector<double> StaticDriver::unbalanced_force(Vec u, double load) const
 {
-  system_.halo->gather(u, local_);
+  const double* owned = nullptr;
+  PDX_CALL(VecGetArrayRead(u, &owned));
+  std::vector<double> r = unbalanced_force({owned, system_.load.size()}, load);
+  PDX_CALL(VecRestoreArrayRead(u, &owned));
+  return r;
+}
+
+std::vector<double> StaticDriver::unbalanced_force(std::span<const double> owned, double load) const
+{
+  system_.halo->fetch(owned, system_.rows.dim, local_);
   std::vector<double> r(system_.load.size());
   for (std::size_t k = 0; k < r.size(); ++k) r[k] = -load * system_.load[k];
   for (const auto& term : system_.terms) term->add_residual(local_, r);
   return r;
 }
 
+/// Forces see prescribed components at their targets, whatever u holds there: so the tangent with their rows and
+/// columns taken out is the residual's derivative.
 PetscErrorCode StaticDriver::residual(SNES, Vec u, Vec r, void* context)
 {
   return guard([&] {
     static Event event("solve_residual");
     Timed timed(event);
     auto* self = static_cast<StaticDriver*>(context);
-    const std::vector<double> force = self->unbalanced_force(u, self->load_);
+    const auto& [components, targets] = self->system_.prescribed;
     double* to = nullptr;
     const double* at = nullptr;
-    PDX_CALL(VecGetArrayWrite(r, &to));
     PDX_CALL(VecGetArrayRead(u, &at));
+    std::vector<double> state(at, at + self->system_.load.size());
+    for (std::size_t k = 0; k < components.size(); ++k)
+      state[static_cast<std::size_t>(components[k])] = self->load_ * targets[k];
+    const std::vector<double> force = self->unbalanced_force(state, self->load_);
+    PDX_CALL(VecGetArrayWrite(r, &to));
     std::copy(force.begin(), force.end(), to);
-    const auto& [components, targets] = self->system_.prescribed;
     for (std::size_t k = 0; k < components.size(); ++k)
       to[components[k]] = self->system_.scale * (at[components[k]] - self->load_ * targets[k]);
     PDX_CALL(VecRestoreArrayRead(u, &at));

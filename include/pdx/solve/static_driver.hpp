@@ -41,6 +41,7 @@ private:
   void configure();
   void solve(int step, Vec u);
   void prescribe(Vec u, double load) const;
+  std::vector<double> unbalanced_force(std::span<const double> owned, double load) const;
 
   const field::System& system_;
   StaticOptions options_;
