@@ -48,6 +48,7 @@ int main(int argc, char** argv)
   } else
     code = solve(begin);
   (void)PetscOptionsSetValue(nullptr, "-options_left", "no");
+  (void)PetscPopErrorHandler();
   (void)PetscFinalize();
   return code;
 }
