@@ -73,6 +73,13 @@ private:
     });
   }
 
+  /// True if bonds may end at a site outside the patch.
+  bool bonded(const Site<2>& site) const
+  {
+    if (part_.lattice().contains(site)) return false;
+    return options_.scheme == Scheme::energy ? exists_(site) : around_.outside(site);
+  }
+
   double share(const Site<2>& site)
   {
     if (!options_.surface_correction) return 1.0;
@@ -104,7 +111,7 @@ private:
     for (const pd::Arm<2>& arm : part_.stencil().half)
       for (const int sign : {+1, -1}) {
         const Site<2> other = stepped(site, arm.step, sign);
-        if (lattice.contains(other) || !around_.outside(other)) continue;
+        if (!bonded(other)) continue;
         Draft draft;
         draft.site = static_cast<Index>(lattice.number(site));
         draft.row = row < 0 ? -1 : rows_.first + row;
@@ -135,11 +142,11 @@ private:
   void clip_from(const Site<2>& site)
   {
     const auto& lattice = part_.lattice();
-    if (lattice.contains(site) || !around_.outside(site)) return;
+    if (!bonded(site)) return;
     const Vector<2> x = lattice.point(site);
     for (const pd::Arm<2>& arm : part_.stencil().half) {
       const Site<2> other = stepped(site, arm.step, 1);
-      if (lattice.contains(other) || !around_.outside(other)) continue;
+      if (!bonded(other)) continue;
       const auto part = geom::clip<2>(x, x + arm.xi, around_.shape().box);
       if (!part || (part->leave - part->enter) * arm.length < kShortest * lattice.dx) continue;
       const auto enter = around_.edge_host(x + part->enter * arm.xi);
@@ -182,7 +189,9 @@ void complete(std::vector<Draft>& drafts, const Part& part)
 
 pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stencil, Scheme scheme)
 {
-  if (scheme != Scheme::ghost) return [&around](const Site<2>& site) { return around.exists(site); };
+  if (scheme == Scheme::energy)
+    return [&around](const Site<2>& site) { return around.exists(site) || around.behind_elements(site); };
+  if (scheme == Scheme::interface) return [&around](const Site<2>& site) { return around.exists(site); };
   const Index layers = pd::family_reach(stencil);
   return [&around, layers](const Site<2>& site) {
     const auto& count = around.shape().lattice.count;

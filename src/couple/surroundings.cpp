@@ -46,6 +46,19 @@ bool Surroundings::outside(const Site<2>& site) const { return in_band(site) && 
 
 bool Surroundings::exists(const Site<2>& site) const { return shape_.lattice.contains(site) || outside(site); }
 
+bool Surroundings::behind_elements(const Site<2>& site) const
+{
+  const Vector<2> x = shape_.lattice.point(site);
+  const Vector<2> margin = Vector<2>::Constant(0.5 * shape_.lattice.dx);
+  for (Eigen::Index d = 0; d < 2; ++d) {
+    if (x[d] > shape_.box.lower[d] && x[d] < shape_.box.upper[d]) continue;
+    Vector<2> foot = x.cwiseMax(shape_.box.lower + margin).cwiseMin(shape_.box.upper - margin);
+    foot[d] = x[d] < shape_.box.lower[d] ? shape_.box.lower[d] : shape_.box.upper[d];
+    if (!edge_host(foot)) return false;
+  }
+  return !shape_.lattice.contains(site);
+}
+
 const Host& Surroundings::element_host(const Site<2>& site) const
 {
   return hosts_[static_cast<std::size_t>(where_[position(site)] - 1)];

@@ -30,18 +30,27 @@ void count_couplings(const mesh::Mesh& mesh, std::span<const Index> cells, std::
                      field::Couplings& couplings)
 {
   const Index owned = couplings.halo.rows().owned();
-  std::vector<std::pair<Index, Index>> pairs; // row, column
-  pairs.reserve(cells.size() * 12);
-  for (const Index c : cells)
-    for (const Index v : mesh.cell(c)) {
-      const Index row = local_rows[static_cast<std::size_t>(v)];
-      if (row >= owned) continue;
-      for (const Index w : mesh.cell(c))
-        if (w != v) pairs.emplace_back(row, local_rows[static_cast<std::size_t>(w)]);
+  std::vector<std::size_t> offsets(static_cast<std::size_t>(owned) + 1, 0); // room for 3 neighbours per cell and row
+  const auto for_each_owned = [&](auto&& visit) {
+    for (const Index c : cells)
+      for (const Index v : mesh.cell(c))
+        if (const Index row = local_rows[static_cast<std::size_t>(v)]; row < owned)
+          visit(c, v, static_cast<std::size_t>(row));
+  };
+  for_each_owned([&](Index, Index, std::size_t row) { offsets[row + 1] += 3; });
+  for (std::size_t row = 0; row + 1 < offsets.size(); ++row) offsets[row + 1] += offsets[row];
+  std::vector<Index> neighbours(offsets.back());
+  std::vector<std::size_t> ends(offsets.begin(), offsets.end() - 1);
+  for_each_owned([&](Index c, Index v, std::size_t row) {
+    const auto begin = neighbours.begin() + static_cast<std::ptrdiff_t>(offsets[row]);
+    for (const Index w : mesh.cell(c)) {
+      const Index column = local_rows[static_cast<std::size_t>(w)];
+      const auto end = neighbours.begin() + static_cast<std::ptrdiff_t>(ends[row]);
+      if (w == v || std::find(begin, end, column) != end) continue;
+      neighbours[ends[row]++] = column;
+      couplings.add(static_cast<Index>(row), column);
     }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  for (const auto& [row, column] : pairs) couplings.add(row, column);
+  });
 }
 
 void assemble_stiffness(const ElasticBody& body, std::span<const Index> cells, std::span<const Index> local_rows,

@@ -52,6 +52,7 @@ public:
     reset();
     return &raw_;
   }
+  T* address() noexcept { return &raw_; } ///< for calls that change the object in place
   explicit operator bool() const noexcept { return raw_ != nullptr; }
   void reset() noexcept
   {

@@ -19,7 +19,9 @@ struct CouplingOptions {
   bool surface_correction = false; ///< volume method on bonds that leave the patch
 };
 
-/// Where the material around a patch counts to bond families: everywhere, or (papers) in the ghost layers only.
+/// Where the material around a patch counts to bond families: everywhere, or (papers) in the ghost layers only. In the
+/// energy scheme a bond that meets the interface acts up to there, so what lies behind elements counts even where the
+/// body ends within a horizon: the outer part is the elements' business.
 pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stencil, Scheme scheme);
 
 /// The carried bonds of all patches that touch a row of this rank. Collective.

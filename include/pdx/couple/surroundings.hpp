@@ -34,6 +34,9 @@ public:
   bool exists(const Site<2>& site) const;
   /// True for a site in the band where the body has material.
   bool outside(const Site<2>& site) const;
+  /// True for a site outside the patch, in the body or not, that is reached through elements only: on every side of
+  /// the patch it lies beyond there are elements, opposite or at the corner next to it.
+  bool behind_elements(const Site<2>& site) const;
   /// The element that holds an outside site; count = 0 if no plain cell does.
   const Host& element_host(const Site<2>& site) const;
   /// The two ends of the mesh edge in which the border of the patch is met at x; empty where no elements lie behind.
