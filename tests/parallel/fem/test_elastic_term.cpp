@@ -2,6 +2,7 @@
 #include "support/elastic_problem.hpp"
 #include "support/gmsh_grid.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 
 using namespace pdx;
@@ -47,6 +48,29 @@ TEST(ElasticTerm, EnergyOfAUniformStrainCountsEveryCellOnce)
   const double expected = 0.5 * 10.0 / 0.91 * 1e-4 * 0.2 * 1.2;
   const double energy = test::sum_all(PETSC_COMM_WORLD, problem.term().energy(problem.local_displacement()));
   EXPECT_NEAR(energy, expected, 1e-13 * expected);
+}
+
+TEST(ElasticTerm, EnergyCountsCellsAllOfWhoseNodesAreOnOtherRanks)
+{
+  Index lonely = 0;
+  for (const Index n : {3, 4, 5}) { // strips and small squares cut into three leave such cells
+    for (const std::array<Index, 2> cells : {std::array{n, Index{1}}, std::array{Index{1}, n}, std::array{n, n}}) {
+      const mesh::Mesh mesh = test::grid_mesh(PETSC_COMM_WORLD, {{{0.0, 0.0}, {1.0, 1.0}}, cells, {}});
+      for (Index c = 0; c < mesh.owned_cells(); ++c)
+        lonely += std::ranges::all_of(mesh.cell(c), [&](Index v) { return v >= mesh.owned_vertices(); });
+      test::ElasticProblem problem(mesh, kLaw, Kinematics::small);
+      deform(problem, [](const Vector<2>& x, int axis) { return axis == 0 ? 0.01 * x.x() : 0.0; });
+      const double expected = 0.5 * 10.0 / 0.91 * 1e-4 * 0.2;
+      const double energy = test::sum_all(PETSC_COMM_WORLD, problem.term().energy(problem.local_displacement()));
+      EXPECT_NEAR(energy, expected, 1e-13 * expected) << cells[0] << " x " << cells[1] << " cells";
+    }
+  }
+  int ranks = 1;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  const double all_lonely = test::sum_all(PETSC_COMM_WORLD, lonely);
+  if (ranks == 3) {
+    EXPECT_GT(all_lonely, 0.0);
+  }
 }
 
 TEST(ElasticTerm, TangentTimesStepIsTheChangeOfTheForce)
