@@ -162,6 +162,7 @@ template <int Dim> void LatticePart<Dim>::write_shares(const Exists<Dim>& exists
   }
   int any = corrected;
   MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_LOR, rows_.comm);
+  corrected_ = any != 0;
   if (!any) share_.clear();
 }
 

@@ -51,8 +51,9 @@ public:
   BondView<Dim> view(const Window& window) const;
   std::span<const Run> force_runs() const { return force_runs_; }   ///< whole only where no bond is missing
   std::span<const Run> linear_runs() const { return linear_runs_; } ///< whole where absent neighbours count as u = 0
-  bool corrected() const { return !share_.empty(); }                ///< some bond has a surface correction factor
-  std::size_t bytes() const;                                        ///< memory of the arrays kept here [B]
+  /// True if some bond of the patch, on whatever rank, has a surface correction factor.
+  bool corrected() const { return corrected_; }
+  std::size_t bytes() const; ///< memory of the arrays kept here [B]
 
 private:
   std::ptrdiff_t at(const Site<Dim>& site) const;
@@ -77,6 +78,7 @@ private:
   std::vector<HalfArm<Dim>> arms_;
   std::vector<std::uint64_t> words_[2];
   std::vector<double> share_;
+  bool corrected_ = false;        // alike on every rank, also on those without particles
   std::vector<Index> local_rows_; // per window site: local row or -1
   std::vector<Run> force_runs_, linear_runs_, segments_;
   std::vector<PetscInt> halo_rows_;
