@@ -160,7 +160,8 @@ private:
       draft.a = energy ? *enter : around_.element_host(site);
       draft.b = energy ? *leave : around_.element_host(other);
       draft.xi = energy ? Vector<2>((part->leave - part->enter) * arm.xi) : arm.xi;
-      if (mine(draft.force_a) || mine(draft.force_b)) drafts_.push_back(draft);
+      // Rows of `a` count the energy.
+      if (mine(draft.force_a) || mine(draft.force_b) || mine(draft.a)) drafts_.push_back(draft);
     }
   }
 
