@@ -201,7 +201,7 @@ GOOD = [
     Case("plate", {}, "", PLATE),
     Case("plate with a patch", {}, "", PATCH),
     Case("plate at the default Poisson's ratio", {"-material_poisson": None}, "", PLATE),
-    Case("patch in plane strain at its default ratio", {"-material_poisson": None, "-material_plane": "strain"}, "", PATCH),
+    Case("patch in plane strain, default ratio", {"-material_poisson": None, "-material_plane": "strain"}, "", PATCH),
     Case("plate from a file", {"-mesh_file": "{dir}/right.msh"}, "", FILE),
     Case("traction and displacement on one boundary", {"-bc_left_traction": "0,1e5"}, "", PLATE),
 ]
