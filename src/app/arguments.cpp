@@ -3,12 +3,24 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <petscsys.h>
+#include <sstream>
 #include <string_view>
 
 namespace pdx::app {
 namespace {
-/// The first thing in an options file that PETSc would not take, "" if none.
-std::string fault_of(const std::string& path)
+constexpr int kDeepest = 16; // files named in files; deeper ones are left to PETSc
+
+/// The file named by a line "-options_file FILE", "" for any other line.
+std::string nested_file(const std::string& line)
+{
+  std::istringstream words(line);
+  std::string option, file;
+  words >> option >> file;
+  return option == "-options_file" ? file : "";
+}
+
+/// The first thing in an options file, or in the files it names, that PETSc would not take; "" if none.
+std::string fault_of(const std::string& path, int depth = 0)
 {
   std::ifstream file(path);
   if (!file.good() || file.peek() == std::ifstream::traits_type::eof())
@@ -17,7 +29,12 @@ std::string fault_of(const std::string& path)
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
     const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string::npos || line[begin] == '#' || line[begin] == '-') continue;
+    if (begin == std::string::npos || line[begin] == '#') continue;
+    if (const std::string nested = nested_file(line.substr(begin)); !nested.empty() && depth < kDeepest) {
+      const std::string fault = fault_of(nested, depth + 1);
+      if (!fault.empty()) return fmt::format("{} (named in {}, line {})", fault, path, number);
+    }
+    if (line[begin] == '-') continue;
     return fmt::format("-options_file {}, line {}: \"{}\" is no option: lines are -name value, or # comment", path,
                        number, line.substr(begin, 40));
   }

@@ -16,6 +16,19 @@ int report(const char* what, Exit code)
   return code;
 }
 
+/// Waits a moment for the others: a failure of PETSc meets either all ranks, which then end together, or one alone,
+/// for which nobody may wait.
+bool all_ranks_are_here()
+{
+  constexpr double kPatience = 3.0; // [s]
+  MPI_Request barrier = MPI_REQUEST_NULL;
+  int here = 0;
+  MPI_Ibarrier(PETSC_COMM_WORLD, &barrier);
+  for (const double begin = MPI_Wtime(); !here && MPI_Wtime() - begin < kPatience;)
+    MPI_Test(&barrier, &here, MPI_STATUS_IGNORE);
+  return here != 0;
+}
+
 int solve(double begin)
 {
   try {
@@ -25,7 +38,8 @@ int solve(double begin)
     return report(e.what(), user_error);
   } catch (const pdx::SolverFailure& e) {
     return report(e.what(), solver_failed);
-  } catch (const std::exception& e) { // perhaps on this rank only: nobody may wait for it
+  } catch (const std::exception& e) {
+    if (all_ranks_are_here()) return report(e.what(), broken);
     std::fprintf(stderr, "error: %s\n", e.what());
     MPI_Abort(PETSC_COMM_WORLD, broken);
     return broken;

@@ -38,6 +38,7 @@ void check(PetscErrorCode code, const char* call, const char* file, int line)
     if (c == '\n') c = ' ';
   const char* name = nullptr;
   if (message.empty() && !PetscErrorMessage(code, &name, nullptr) && name) message = name;
+  if (code == PETSC_ERR_ARG_UNKNOWN_TYPE) throw UserError(message + " (the value of a PETSc option)");
   throw PetscFailure(message + " [" + file + ":" + std::to_string(line) + ": " + call + "]");
 }
 } // namespace pdx
