@@ -6,6 +6,7 @@ scripts/setup.sh
 scripts/build.sh release
 # shellcheck source=scripts/mpi_env.sh
 . scripts/mpi_env.sh
+python=$(scripts/find_python.sh h5py numpy matplotlib)
 
 runs=()
 for mesh in coarse fine; do
@@ -13,6 +14,6 @@ for mesh in coarse fine; do
   mpirun -n 2 build/release/pdxsolve -options_file "cases/plate_static/$mesh.opts" -output_dir "$directory"
   runs+=("$directory")
 done
-python3 scripts/plot_case.py "${runs[@]}" -o out/plate_static.png --kind plate
-python3 scripts/error_table.py coarse:1.19:"${runs[0]}" fine:0.75:"${runs[1]}"
+"$python" scripts/plot_case.py "${runs[@]}" -o out/plate_static.png --kind plate
+"$python" scripts/error_table.py coarse:1.19:"${runs[0]}" fine:0.75:"${runs[1]}"
 echo "picture: out/plate_static.png"
