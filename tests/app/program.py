@@ -1,0 +1,134 @@
+"""For the tests beside this file: runs pdxsolve in a directory of its own and reads what it leaves there.
+
+A test file ends with `program.main()` and is called as test_X.py PDXSOLVE [unittest arguments]. The environment lets
+Open MPI run (ctest sets it; by hand: `. scripts/mpi_env.sh`).
+"""
+
+import concurrent.futures
+import csv
+import dataclasses
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+import compare
+import fields
+
+TIMEOUT = 120  # [s] longer is a hang
+
+# 1 x 1 m in 4 x 4 elements, clamped on the left, pulled and sheared on the right: the smallest scene worth a run.
+SMALL = {
+    "-case": "small",
+    "-mesh_lower": "0,0",
+    "-mesh_upper": "1,1",
+    "-mesh_cells": "4,4",
+    "-material_young": "1e9",
+    "-bc_names": "clamp,load",
+    "-bc_clamp_on": "left",
+    "-bc_clamp_displacement": "0,0",
+    "-bc_load_on": "right",
+    "-bc_load_traction": "1e6,1e6",
+    "-quiet": "",
+}
+SMALL_PATCH = SMALL | {"-pd_patches": "0.25,0.25,0.75,0.75", "-pd_spacing": "0.125"}
+# The same in 20 x 20 elements, with a patch of 16 x 16 particles: room for four ranks.
+PLATE = SMALL | {"-case": "plate", "-mesh_cells": "20,20"}
+PATCH = PLATE | {"-pd_patches": "0.3,0.3,0.7,0.7", "-pd_spacing": "0.025"}
+
+
+@dataclasses.dataclass(frozen=True)
+class Run:
+    """What a run left behind."""
+
+    status: int  # exit status; None if it hung
+    out: str
+    err: str
+    directory: pathlib.Path
+
+    @property
+    def summary(self):
+        return json.loads((self.directory / "summary.json").read_text(encoding="utf-8"))
+
+    @property
+    def events(self):
+        return self.summary["events"]
+
+    @property
+    def files(self):
+        return sorted(path.name for path in self.directory.iterdir())
+
+    def history(self):
+        """The rows of history.csv, by column name without its unit."""
+        with open(self.directory / "history.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+        names = [name.split(" ")[0] for name in rows[0]]
+        return [dict(zip(names, map(float, row))) for row in rows[1:]]
+
+
+def words_of(options):
+    """The command line of options: {"-quiet": ""} is a flag, a value None takes an option away."""
+    words = []
+    for key, value in options.items():
+        if value is not None:
+            words += [key, value] if value else [key]
+    return words
+
+
+class ProgramTest(unittest.TestCase):
+    """Each test has a scratch directory; each of its runs a directory in there."""
+
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.scratch = pathlib.Path(scratch.name)
+        self.runs = 0
+
+    def launch(self, options, ranks=1, before=()):
+        """Runs the program behind the words `before` (valgrind) and returns a Run, however it ended."""
+        self.runs += 1
+        directory = self.scratch / f"run_{self.runs}"
+        launcher = ["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []
+        command = [*launcher, *before, PROGRAM, *words_of(options), "-output_dir", str(directory)]
+        with subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT
+        ) as process:
+            try:
+                out, err = process.communicate(timeout=TIMEOUT)
+                return Run(process.returncode, out, err, directory)
+            except subprocess.TimeoutExpired:
+                process.terminate()  # mpirun takes its ranks along
+                out, err = process.communicate()
+                return Run(None, out, err, directory)
+
+    def solve(self, options, ranks=1):
+        """Runs a scene that must succeed without a word on stderr."""
+        run = self.launch(options, ranks)
+        self.assertEqual((run.status, run.err), (0, ""), f"{ranks} ranks; stdout: {run.out}")
+        return run
+
+    def assert_same_displacement(self, a, b, tolerance=1e-9):
+        """All blocks of two runs agree: largest difference over largest displacement. Points by natural number."""
+        steps = [fields.read_step(run.directory)[1] for run in (a, b)]
+        self.assertEqual(steps[0].keys(), steps[1].keys())
+        for name in steps[0]:
+            self.assertLessEqual(compare.difference(name, steps[0][name], steps[1][name]), tolerance, name)
+
+
+def in_pairs(function, items):
+    """The results of function(item), two at a time: for runs on one rank."""
+    with concurrent.futures.ThreadPoolExecutor(max_workers=2) as pool:
+        return list(pool.map(function, items))
+
+
+def main():
+    global PROGRAM
+    if len(sys.argv) < 2:
+        sys.exit(f"usage: {pathlib.Path(sys.argv[0]).name} PDXSOLVE [unittest arguments]")
+    PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
+    unittest.main()

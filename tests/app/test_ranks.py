@@ -1,0 +1,117 @@
+"""The answer does not depend on the number of ranks, and on the same ranks it is the same to the last bit.
+
+Usage: test_ranks.py PDXSOLVE [unittest arguments].
+"""
+
+import h5py
+import program
+from program import PATCH, PLATE
+
+FIELDS = {"-output_fields": ""}
+
+
+def write_gmsh(path, cells, patch):
+    """Writes the unit square in cells x cells quadrilaterals as Gmsh 2.2 text; nodes beyond the cells first ... last of
+    `patch` are moved by up to a fifth of a cell, sides excepted."""
+    first, last = patch
+
+    def place(i, j):
+        fixed = (first - 1 <= i <= last + 1 and first - 1 <= j <= last + 1) or i in (0, cells) or j in (0, cells)
+        shift = 0.0 if fixed else 0.2
+        return (i + shift * (-1) ** j) / cells, (j + shift * (-1) ** i) / cells
+
+    def node(i, j):
+        return 1 + i + j * (cells + 1)
+
+    nodes = [place(i, j) for j in range(cells + 1) for i in range(cells + 1)]
+    elements = [f"1 2 1 1 {node(0, k + 1)} {node(0, k)}" for k in range(cells)]
+    elements += [f"1 2 2 2 {node(cells, k)} {node(cells, k + 1)}" for k in range(cells)]
+    elements += [
+        f"3 2 3 3 {node(i, j)} {node(i + 1, j)} {node(i + 1, j + 1)} {node(i, j + 1)}"
+        for j in range(cells)
+        for i in range(cells)
+    ]
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat"]
+    lines += ["$PhysicalNames", "3", '1 1 "left"', '1 2 "right"', '2 3 "plate"', "$EndPhysicalNames"]
+    lines += ["$Nodes", str(len(nodes))] + [f"{k + 1} {x!r} {y!r} 0" for k, (x, y) in enumerate(nodes)] + ["$EndNodes"]
+    lines += ["$Elements", str(len(elements))] + [f"{k + 1} {e}" for k, e in enumerate(elements)] + ["$EndElements"]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+class Ranks(program.ProgramTest):
+    def assert_ranks_agree(self, options, ranks=(2, 3, 4)):
+        alone = self.solve(options | FIELDS)
+        for n in ranks:
+            with self.subTest(ranks=n):
+                self.assert_same_displacement(alone, self.solve(options | FIELDS, n))
+
+    def test_energy_scheme(self):
+        self.assert_ranks_agree(PATCH)
+
+    def test_papers_scheme_with_finite_bonds(self):
+        papers = {"-couple_scheme": "ghost", "-pd_calibration": "continuum", "-pd_surface_correction": "volume"}
+        self.assert_ranks_agree(PATCH | papers | {"-kinematics": "mixed"})
+
+    def test_two_patches_with_spacings_of_their_own(self):
+        self.assert_ranks_agree(
+            PATCH | {"-pd_patches": "0.1,0.1,0.4,0.4,0.6,0.5,0.9,0.9", "-pd_spacing": "0.025,0.0125"}
+        )
+
+    def test_particles_only_with_a_held_layer(self):
+        layer = {"-mesh_cells": None, "-pd_patches": "all", "-pd_spacing": "0.025", "-bc_clamp_layer": ""}
+        self.assert_ranks_agree(PLATE | layer)
+
+    def test_mesh_from_gmsh(self):
+        mesh = self.scratch / "plate.msh"
+        write_gmsh(mesh, cells=20, patch=(6, 14))
+        box = {"-mesh_lower": None, "-mesh_upper": None, "-mesh_cells": None}
+        self.assert_ranks_agree(PATCH | box | {"-mesh_file": str(mesh)})
+
+    def test_elements_only(self):
+        self.assert_ranks_agree(PLATE, ranks=(3,))
+
+    def test_interface_scheme(self):
+        self.assert_ranks_agree(PATCH | {"-couple_scheme": "interface"}, ranks=(3,))
+
+    def test_patch_at_a_free_edge(self):
+        self.assert_ranks_agree(PATCH | {"-pd_patches": "0.3,0.6,0.7,1"}, ranks=(3,))
+
+    def test_finite_kinematics_in_two_steps(self):
+        self.assert_ranks_agree(PATCH | {"-kinematics": "finite", "-load_steps": "2"}, ranks=(2,))
+
+    def test_every_partitioner(self):
+        runs = [self.solve(PATCH | FIELDS)]
+        for partitioner in ("ptscotch", "simple"):
+            with self.subTest(partitioner=partitioner):
+                runs.append(self.solve(PATCH | FIELDS | {"-petscpartitioner_type": partitioner}, 3))
+                self.assert_same_displacement(runs[0], runs[-1])
+
+    def test_comparison_notices_another_scheme(self):
+        runs = [self.solve(PATCH | FIELDS | {"-couple_scheme": scheme}) for scheme in ("energy", "ghost")]
+        with self.assertRaises(AssertionError):
+            self.assert_same_displacement(*runs, tolerance=1e-5)
+
+
+class Repeats(program.ProgramTest):
+    def datasets(self, run):
+        found = {}
+
+        def keep(name, item):
+            if isinstance(item, h5py.Dataset):
+                found[name] = item[()].tobytes()
+
+        with h5py.File(run.directory / "fields.h5", "r") as file:
+            file.visititems(keep)
+        return found
+
+    def test_fields_are_the_same_to_the_last_bit(self):
+        for options in (PATCH, PATCH | {"-couple_scheme": "ghost", "-kinematics": "finite"}):
+            with self.subTest(scheme=options.get("-couple_scheme", "energy")):
+                first, second = (self.datasets(self.solve(options | FIELDS, 2)) for _ in range(2))
+                self.assertEqual(first.keys(), second.keys())
+                self.assertGreater(len(first), 5)
+                self.assertEqual([name for name in first if first[name] != second[name]], [])
+
+
+if __name__ == "__main__":
+    program.main()
