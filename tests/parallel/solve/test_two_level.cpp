@@ -1,0 +1,173 @@
+#include "support/scene.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace pdx;
+
+namespace {
+constexpr int kMostIterations = 16; // of CG, to 1e-10 of the residual
+
+app::BoundaryCondition pull(const char* side, const Vector<2>& traction)
+{
+  app::BoundaryCondition c;
+  c.name = "pull";
+  c.on = side;
+  c.traction = traction;
+  return c;
+}
+
+/// Clamped on the left, pulled and sheared on the right; the middle quarter is a patch of n x n particles, 4 x 4 in the
+/// place of an element.
+app::SceneOptions clamped_plate(Index n)
+{
+  auto options = test::held_plate({n / 2, n / 2});
+  options.conditions.resize(1); // left
+  options.conditions.push_back(pull("right", {1e-3, 5e-4}));
+  return test::with_patch(options, {{0.25, 0.25}, {0.75, 0.75}}, 0.5 / n);
+}
+
+/// The same plate of n x n particles, clamped by a layer of one horizon, with three free sides.
+app::SceneOptions clamped_particles(Index n)
+{
+  auto options = test::held_particles(n);
+  options.conditions.resize(1); // left
+  options.conditions.push_back(pull("right", {1e-3, 5e-4}));
+  return options;
+}
+
+double iterations(const app::SceneOptions& options, MPI_Comm comm)
+{
+  test::Scene scene(options, false, comm);
+  scene.solve();
+  return scene.report().linear_iterations;
+}
+
+void expect_few_iterations(const app::SceneOptions& options)
+{
+  const double found = iterations(options, PETSC_COMM_WORLD);
+  EXPECT_GT(found, 1);
+  EXPECT_LE(found, kMostIterations);
+}
+
+void expect_few_iterations_on_any_number_of_ranks(const app::SceneOptions& options)
+{
+  const double found = iterations(options, PETSC_COMM_WORLD);
+  const double alone = test::on_one_rank([&](MPI_Comm comm) { return iterations(options, comm); });
+  EXPECT_GT(found, 1);
+  EXPECT_LE(found, kMostIterations);
+  EXPECT_LE(std::abs(found - alone), 2.0);
+}
+
+/// Largest difference of two solutions of the same scene, over the largest displacement.
+double difference(Vec a, Vec b)
+{
+  double size = 0.0, gap = 0.0;
+  PDX_CALL(VecNorm(b, NORM_INFINITY, &size));
+  PDX_CALL(VecAXPY(a, -1.0, b));
+  PDX_CALL(VecNorm(a, NORM_INFINITY, &gap));
+  return gap / size;
+}
+
+void expect_assembled_solution(const app::SceneOptions& options)
+{
+  test::Scene free(options), whole(options, true);
+  EXPECT_TRUE(free.system().coarse);
+  EXPECT_FALSE(whole.system().coarse);
+  const VecHandle a = free.solve(), b = whole.solve();
+  const double gap = difference(a.get(), b.get());
+  EXPECT_LT(gap, 1e-8);
+}
+} // namespace
+
+TEST(TwoLevel, FewIterationsForPatchesOfAnySize)
+{
+  for (const Index n : {40, 80}) expect_few_iterations_on_any_number_of_ranks(clamped_plate(n));
+  expect_few_iterations(clamped_plate(160));
+}
+
+TEST(TwoLevel, FewIterationsForParticlesOnlyOfAnySize)
+{
+  for (const Index n : {40, 80}) expect_few_iterations_on_any_number_of_ranks(clamped_particles(n));
+  expect_few_iterations(clamped_particles(160));
+}
+
+TEST(TwoLevel, FewIterationsForALayerAllAround)
+{
+  auto options = test::held_particles(80);
+  app::BoundaryCondition weight;
+  weight.name = "weight";
+  weight.body = Vector<2>(0.0, -1e-3);
+  options.conditions.push_back(weight);
+  expect_few_iterations_on_any_number_of_ranks(options);
+}
+
+TEST(TwoLevel, SolvesWhatTheAssembledMatrixSolves)
+{
+  expect_assembled_solution(clamped_plate(40));
+  expect_assembled_solution(clamped_particles(40));
+}
+
+TEST(TwoLevel, SupportsInParticleRowsAndFreeSurfaces)
+{
+  auto options = clamped_particles(40);
+  options.conditions[0].layer = false;
+  options.conditions[0].rows = 3;
+  expect_assembled_solution(options);
+}
+
+TEST(TwoLevel, ChosenParticlesInABoxHoldTheBody)
+{
+  auto options = clamped_particles(40);
+  app::BoundaryCondition& clamp = options.conditions[0];
+  clamp.layer = false;
+  clamp.on = "";
+  clamp.box = geom::Box<2>{{0.0, 0.0}, {0.2, 0.1}};
+  expect_assembled_solution(options);
+}
+
+TEST(TwoLevel, InterfaceSchemeConvergesByGmres)
+{
+  auto options = clamped_plate(40);
+  options.scheme = couple::Scheme::interface;
+  test::Scene free(options);
+  const VecHandle a = free.solve();
+  EXPECT_LE(free.report().linear_iterations, 2 * kMostIterations);
+  test::Scene whole(options, true);
+  const VecHandle b = whole.solve();
+  EXPECT_LT(difference(a.get(), b.get()), 1e-8);
+}
+
+TEST(TwoLevel, AFewRows)
+{
+  app::BoundaryCondition weight;
+  weight.name = "weight";
+  weight.body = Vector<2>(1e-3, 2e-3);
+  auto corner = test::held_plate({2, 2}, {{0.0, 0.0}, {2.0, 2.0}});
+  auto middle = test::held_plate({3, 3}, {{0.0, 0.0}, {3.0, 3.0}});
+  for (app::SceneOptions* options : {&corner, &middle}) {
+    options->conditions.resize(1);
+    options->conditions.push_back(weight);
+  }
+  corner = test::with_patch(corner, {{1.0, 1.0}, {2.0, 2.0}}, 0.5); // 8 nodes, 4 particles
+  middle = test::with_patch(middle, {{1.0, 1.0}, {2.0, 2.0}}, 1.0); // 16 nodes, one particle
+  expect_assembled_solution(corner);
+  expect_assembled_solution(middle);
+}
+
+TEST(TwoLevel, NothingToDoWithoutPatches)
+{
+  auto options = test::held_plate({2, 2});
+  options.conditions.resize(1);
+  options.conditions.push_back(pull("right", {1e-3, 0.0}));
+  options.conditions[0].displacement[1].reset(); // slides up and down
+  app::BoundaryCondition pin;
+  pin.name = "pin";
+  pin.box = geom::Box<2>{{0.0, 0.0}, {0.0, 0.0}};
+  pin.displacement = {0.0, 0.0};
+  options.conditions.push_back(pin);
+  test::Scene scene(options, true);
+  EXPECT_EQ(scene.rows().total, 9);
+  const VecHandle u = scene.solve();
+  // Uniaxial stress: e_xx = p / E, e_yy = -nu e_xx.
+  EXPECT_LT(scene.max_error(u.get(), test::affine(1e-3 / 3.0, 0.0, 0.0, -1e-3 / 9.0)), 1e-9);
+}
