@@ -4,6 +4,7 @@
 #include "pdx/post/error_norm.hpp"
 #include "pdx/solve/static_driver.hpp"
 
+#include <cmath>
 #include <functional>
 
 namespace pdx::test {
@@ -201,6 +202,25 @@ public:
     PDX_CALL(VecRestoreArrayRead(u, &values));
     MPI_Allreduce(MPI_IN_PLACE, worst, 2, MPI_DOUBLE, MPI_MAX, mesh_.comm());
     return worst[0] / worst[1];
+  }
+
+  /// Distance of the displacement from the field in L2 [m^2]: particles weigh their cell, nodes that of the mesh.
+  double l2_error(Vec u, const Field& field) const
+  {
+    const double* values = nullptr;
+    double total = 0.0;
+    const Index first = d_->system.rows.first_particle();
+    PDX_CALL(VecGetArrayRead(u, &values));
+    for (Index row = 0; row < d_->system.rows.owned(); ++row) {
+      double area = mesh_.bounds().size().prod() / mesh_.global_cells();
+      if (row >= first) {
+        const Index patch = d_->particles[static_cast<std::size_t>(row - first)].patch;
+        area = std::pow(plan_.shapes[static_cast<std::size_t>(patch)].lattice.dx, 2);
+      }
+      total += area * (Vector<2>(values[2 * row], values[2 * row + 1]) - field(place(row))).squaredNorm();
+    }
+    PDX_CALL(VecRestoreArrayRead(u, &values));
+    return std::sqrt(sum(total));
   }
 
   double sum(double mine) const
