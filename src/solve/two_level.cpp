@@ -15,7 +15,9 @@ void prefer(const char* name, const char* value)
 {
   PetscBool given = PETSC_FALSE;
   PDX_CALL(PetscOptionsHasName(nullptr, nullptr, name, &given));
-  if (!given) PDX_CALL(PetscOptionsSetValue(nullptr, name, value));
+  if (given) return;
+  PDX_CALL(PetscOptionsSetValue(nullptr, name, value));
+  PDX_CALL(PetscOptionsHasName(nullptr, nullptr, name, &given)); // counts as used: with another -pc_type nobody asks
 }
 
 bool all_sweeps_chosen()
