@@ -145,6 +145,13 @@ void Recorder::fail(const std::string& why)
   write_summary("failed");
 }
 
+void Recorder::warn(const std::string& what)
+{
+  int rank = 0;
+  MPI_Comm_rank(comm_, &rank);
+  if (rank == 0) fmt::print(stderr, "warning: {}\n", what);
+}
+
 void Recorder::write_summary(const char* status)
 {
   summary_.status = status;

@@ -38,6 +38,23 @@ std::vector<double> reference_displacement(const mesh::Mesh& mesh, const SceneOp
   return d->vertex_displacement(u.get());
 }
 
+/// Names of PETSc options that nothing has used, a misspelt one perhaps; some are used only when PETSc ends.
+std::string unused_options()
+{
+  PetscInt count = 0;
+  char **names = nullptr, **values = nullptr;
+  std::string list;
+  PDX_CALL(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+  for (PetscInt k = 0; k < count; ++k) {
+    const std::string_view name = names[k];
+    const bool late = name.starts_with("malloc") || name.starts_with("log_") || name.starts_with("options_") ||
+                      name.starts_with("objects_") || name.starts_with("memory_");
+    if (!late) list += fmt::format("{}-{}", list.empty() ? "" : ", ", name);
+  }
+  PDX_CALL(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  return list;
+}
+
 void refuse_reference_options(const SceneOptions& options)
 {
   if (options.reference_fe && !options.pd.any())
@@ -75,6 +92,8 @@ void run(MPI_Comm comm, double begin)
     recorder.started();
     driver.run(u.get(), [&](int step, Vec state) { recorder.accept(step, state, driver, reference); });
     recorder.finish(driver.report());
+    if (const std::string unused = unused_options(); !unused.empty())
+      recorder.warn("options of PETSc that nothing used: " + unused);
   } catch (const SolverFailure& failure) {
     recorder.fail(failure.what());
     throw;

@@ -26,10 +26,12 @@ bool is_first(MPI_Comm comm)
   return rank == 0;
 }
 
+/// Columns of the terminal a person looks at, 0 if there is none: mpirun gives its ranks a terminal without columns,
+/// whose text may end in a batch log.
 std::size_t terminal_width(std::FILE* out)
 {
   winsize size{};
-  return ioctl(fileno(out), TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+  return isatty(fileno(out)) == 1 && ioctl(fileno(out), TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
 std::string duration(double seconds)
@@ -45,7 +47,7 @@ std::string duration(double seconds)
 Progress::Progress(MPI_Comm comm, bool quiet) : Progress(quiet || !is_first(comm), stdout, kLogInterval) {}
 
 Progress::Progress(bool quiet, std::FILE* out, double interval)
-    : out_(quiet ? nullptr : out), terminal_(out_ && isatty(fileno(out)) == 1), interval_(interval), start_(now()),
+    : out_(quiet ? nullptr : out), terminal_(out_ && terminal_width(out) > 0), interval_(interval), start_(now()),
       last_line_(start_)
 {}
 

@@ -20,6 +20,7 @@ public:
   void accept(int step, Vec u, const solve::StaticDriver& driver, const std::vector<double>& reference);
   void finish(const solve::StaticReport& report);
   void fail(const std::string& why);
+  void warn(const std::string& what); ///< a line on standard error, even when quiet
 
 private:
   void open_history();

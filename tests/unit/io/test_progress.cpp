@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sstream>
+#include <sys/ioctl.h>
 #include <unistd.h>
 #include <vector>
 
@@ -42,6 +43,8 @@ public:
   {
     grantpt(master_);
     unlockpt(master_);
+    const winsize size{24, 80, 0, 0}; // a terminal without columns counts as none
+    ioctl(master_, TIOCSWINSZ, &size);
     slave_ = std::fopen(ptsname(master_), "w");
   }
   ~Terminal()
