@@ -112,7 +112,8 @@ private:
           rows.insert(d_.system.rows.first_particle() + static_cast<Index>(k));
     }
     if (!any_rank(mesh_.comm(), !rows.empty()))
-      throw UserError(fmt::format("-bc_{}: no node and no particle lies where it should hold the body", c.name));
+      throw UserError(
+          fmt::format("-bc_{}_{}: no node and no particle lies there to be held", c.name, c.box ? "box" : "on"));
     HeldPart part{c.name, {}};
     for (const Index row : rows)
       for (Index a = 0; a < 2; ++a)
@@ -151,7 +152,8 @@ private:
       length += 1.0;
     }
     if (!any_rank(mesh_.comm(), length > 0.0))
-      throw UserError(fmt::format("-bc_{}: no edge lies where its traction should act", c.name));
+      throw UserError(
+          fmt::format("-bc_{}_{}: no edge lies there for the traction to act on", c.name, c.box ? "box" : "on"));
   }
 
   void weigh(const BoundaryCondition& c)

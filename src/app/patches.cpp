@@ -15,7 +15,7 @@ constexpr double kCoarseCells = 4.0; // background cells of peridynamics-only sc
 double nearest_fit(const Vector<2>& sides, double dx)
 {
   const double wanted = std::round(sides[0] / dx);
-  for (double k = 0.0; k <= wanted; ++k)
+  for (int k = 0; k <= static_cast<int>(std::min(wanted, 1e6)); ++k)
     for (const double n : {wanted + k, wanted - k}) {
       if (n < 1.0) continue;
       const double fit = sides[0] / n, other = sides[1] / fit;
@@ -83,8 +83,12 @@ PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh)
   for (std::size_t p = 0; p < boxes.size(); ++p) {
     plan.shapes.push_back({boxes[p], lattice_in(boxes[p], options.pd.spacing_of(p))});
     const double dx = plan.shapes.back().lattice.dx;
-    plan.stencils.push_back(pd::make_stencil<2>({dx, options.elastic.thickness, options.pd.horizon_ratio * dx,
-                                                 options.pd.micromodulus, options.pd.calibration, options.elastic}));
+    try {
+      plan.stencils.push_back(pd::make_stencil<2>({dx, options.elastic.thickness, options.pd.horizon_ratio * dx,
+                                                   options.pd.micromodulus, options.pd.calibration, options.elastic}));
+    } catch (const UserError& wrong) {
+      throw UserError(fmt::format("-pd_horizon_ratio is {}: {}", options.pd.horizon_ratio, wrong.what()));
+    }
   }
   if (options.pd.everywhere && mesh.cells[0] == 0)
     for (std::size_t d = 0; d < 2; ++d)

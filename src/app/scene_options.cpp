@@ -75,7 +75,11 @@ PdOptions read_pd(const law::Elastic& elastic, bool describe)
   if (pd.spacing.size() > 1 && pd.spacing.size() != pd.patches.size())
     throw UserError(fmt::format("-pd_spacing has {} values for {} patches: give one, or one per patch",
                                 pd.spacing.size(), pd.patches.size()));
-  (void)law::BondLaw<2>(pd.micromodulus, elastic, pd.horizon_ratio * pd.spacing[0]); // refuses a wrong Poisson's ratio
+  try {
+    (void)law::BondLaw<2>(pd.micromodulus, elastic, pd.horizon_ratio * pd.spacing[0]);
+  } catch (const UserError& wrong) {
+    throw UserError(fmt::format("-material_poisson is {}: {}", elastic.poisson, wrong.what()));
+  }
   for (std::size_t p = 0; p < pd.patches.size(); ++p)
     for (std::size_t q = p + 1; q < pd.patches.size(); ++q)
       if ((pd.patches[p].lower.array() <= pd.patches[q].upper.array() + 1e-9 * pd.patches[p].size().norm()).all() &&

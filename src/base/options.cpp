@@ -196,7 +196,7 @@ bool Options::boolean(const std::string& name, bool value, const char* help)
   throw UserError(fmt::format("{} is \"{}\": must be true or false", name, *text));
 }
 
-std::string Options::text(const std::string& name, std::string value, const char* help)
+std::string Options::text(const std::string& name, const std::string& value, const char* help)
 {
   document(name, "", value.empty() ? "none" : value, "text", help);
   const auto text = find(name);

@@ -101,8 +101,7 @@ void CarriedBonds<Dim>::add_energy_density(std::span<const double> u, std::span<
     const Index particle = points_.rows(bond.a).front();
     if (bond.energy_share == 0.0 || particle >= rows_.owned()) continue;
     const auto state = state_of<Dim>(bond, bond.xi.norm(), stretch_vector(bond, spread_), kinematics_);
-    density[static_cast<std::size_t>(particle)] +=
-        0.5 * law::bond_energy(bond.kappa, bond.energy_share, state.stretch);
+    density[static_cast<std::size_t>(particle)] += 0.5 * law::bond_energy(bond.kappa, bond.energy_share, state.stretch);
   }
 }
 

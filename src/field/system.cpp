@@ -24,4 +24,4 @@ bool System::symmetric() const
 {
   return std::all_of(terms.begin(), terms.end(), [](const auto& term) { return term->symmetric(); });
 }
-}  // namespace pdx::field
+} // namespace pdx::field

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 #include <numeric>
 #include <petscdmplex.h>
 
 namespace pdx::mesh {
 namespace {
+constexpr double kMostCells = std::numeric_limits<Index>::max() / 8.0; // cells, edges and vertices share one numbering
+
 /// The whole mesh, on rank 0; edges of the outer boundary carry kBoundaryLabel.
 struct SerialMesh {
   DmHandle plex;
@@ -205,6 +208,9 @@ MeshOptions MeshOptions::read()
   (void)partitioner_type();
   if (options.given("-mesh_cells") && (cells[0] < 1 || cells[1] < 1))
     throw UserError(fmt::format("-mesh_cells is {},{}: must be at least 1 in both directions", cells[0], cells[1]));
+  if (const double count = static_cast<double>(cells[0]) * cells[1]; count > kMostCells)
+    throw UserError(fmt::format("-mesh_cells is {},{}: makes {:.3g} cells, more than the {:.3g} that can be numbered",
+                                cells[0], cells[1], count, kMostCells));
   o.cells = {cells[0], cells[1]};
   if (!o.file.empty()) return o;
   if (lower.empty() || upper.empty())

@@ -4,16 +4,17 @@
 #include <cmath>
 
 namespace pdx::post {
-DisplacementError compare_displacement(const mesh::Mesh& mesh, std::span<const double> u, std::span<const double> reference)
+DisplacementError compare_displacement(const mesh::Mesh& mesh, std::span<const double> u,
+                                       std::span<const double> reference)
 {
   DisplacementError error;
-  double most = 0.0;  // |u_ref| that counts as 0 is judged against the largest
+  double most = 0.0; // |u_ref| that counts as 0 is judged against the largest
   for (std::size_t v = 0; v < static_cast<std::size_t>(mesh.owned_vertices()); ++v)
     most = std::max(most, std::hypot(reference[2 * v], reference[2 * v + 1]));
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, mesh.comm());
 
-  double worst[2] = {0.0, 0.0};            // Eq. 28, vector difference
-  double sums[4] = {0.0, 0.0, 0.0, 0.0};  // Eq. 28, vertices, squared difference, squared reference
+  double worst[2] = {0.0, 0.0};          // Eq. 28, vector difference
+  double sums[4] = {0.0, 0.0, 0.0, 0.0}; // Eq. 28, vertices, squared difference, squared reference
   for (std::size_t v = 0; v < static_cast<std::size_t>(mesh.owned_vertices()); ++v) {
     const Vector<2> a(u[2 * v], u[2 * v + 1]), b(reference[2 * v], reference[2 * v + 1]);
     worst[1] = std::max(worst[1], (a - b).norm());
@@ -35,4 +36,4 @@ DisplacementError compare_displacement(const mesh::Mesh& mesh, std::span<const d
   error.vector_max_percent = most > 0.0 ? 100.0 * worst[1] / most : 0.0;
   return error;
 }
-}  // namespace pdx::post
+} // namespace pdx::post

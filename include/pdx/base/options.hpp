@@ -34,7 +34,7 @@ public:
   double real(const std::string& name, double value, const char* unit, const char* help, Range range = {});
   int integer(const std::string& name, int value, const char* help, Range range = {});
   bool boolean(const std::string& name, bool value, const char* help);
-  std::string text(const std::string& name, std::string value, const char* help);
+  std::string text(const std::string& name, const std::string& value, const char* help);
   /// One of `allowed`; returns its position in the list.
   int choice(const std::string& name, int value, std::span<const char* const> allowed, const char* help);
   /// Comma-separated numbers; `count` = 0 takes any number of them.

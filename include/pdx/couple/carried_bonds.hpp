@@ -11,7 +11,7 @@ template <int Dim> struct CarriedBond {
   Index force_a = 0, force_b = 0; ///< points its force acts at
   Vector<Dim> xi;                 ///< reference vector from a to b                       [m]
   double kappa = 0.0;             ///< force per unit stretch                             [N]
-  double energy_share = 0.0; ///< whole bond length over particle volume where a is a particle, else 0 [1/m^2]
+  double energy_share = 0.0;      ///< whole bond length over particle volume where a is a particle, else 0 [1/m^2]
 };
 
 /// The bonds that do not join two particles of a patch: springs of the coupling schemes, all with the bond force law.
