@@ -1,10 +1,16 @@
 #include "pdx/fem/elastic_term.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/fem/element_action.hpp"
 
 #include <algorithm>
 
 namespace pdx::fem {
+namespace {
+/// With more shapes the matrices of the elements no longer stay in cache, and a sparse matrix is as good.
+constexpr std::size_t kMostShapes = 16;
+} // namespace
+
 ElasticTerm::ElasticTerm(const mesh::Mesh& mesh, const law::Elastic& law, Kinematics kinematics,
                          std::vector<PetscInt> node_rows)
     : body_{mesh, law, kinematics}, node_rows_(std::move(node_rows))
@@ -46,6 +52,28 @@ void ElasticTerm::bind(const field::RowHalo& halo)
       Index& row = local_rows_[static_cast<std::size_t>(v)];
       if (row < 0) row = halo.local(node_rows_[static_cast<std::size_t>(v)]);
     }
+  sort_out_free_cells();
+}
+
+void ElasticTerm::sort_out_free_cells()
+{
+  free_.clear();
+  border_.clear();
+  if (stiffness_.size() > kMostShapes || stiffness_.empty()) {
+    border_ = cells_;
+    return;
+  }
+  for (const ElementMatrix& k : stiffness_) {
+    free_.push_back({k, k, {}});
+    for (int a = 0; a < 4; ++a) free_.back().off_diagonal.block<2, 2>(2 * a, 2 * a).setZero();
+  }
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    const CellRows rows = rows_of(cells_[k]);
+    if (std::ranges::all_of(rows, [&](Index row) { return row < owned_rows_; }))
+      free_[static_cast<std::size_t>(shape_[k])].rows.push_back(rows);
+    else
+      border_.push_back(cells_[k]);
+  }
 }
 
 ElasticTerm::CellRows ElasticTerm::rows_of(Index cell) const
@@ -108,15 +136,41 @@ void ElasticTerm::linearise(std::span<const double> u)
     if (local_rows_[v] >= 0) std::copy_n(u.begin() + 2 * local_rows_[v], 2, node_displacement_.begin() + 2 * v);
 }
 
-void ElasticTerm::couplings(field::Couplings& couplings, bool) const
+void ElasticTerm::couplings(field::Couplings& couplings, bool whole) const
 {
-  count_couplings(body_.mesh, cells_, local_rows_, couplings);
+  count_couplings(body_.mesh, whole ? cells_ : border_, local_rows_, couplings);
 }
 
-void ElasticTerm::add_jacobian(field::BlockAdder& adder, bool) const
+void ElasticTerm::add_jacobian(field::BlockAdder& adder, bool whole) const
 {
   static Event event("fe_jacobian");
   const Timed timed(event);
-  assemble_stiffness(body_, cells_, local_rows_, node_displacement_, adder);
+  assemble_stiffness(body_, whole ? cells_ : border_, local_rows_, node_displacement_, adder);
+  if (!whole) add_free_diagonal(adder);
+}
+
+void ElasticTerm::add_free_diagonal(field::BlockAdder& adder) const
+{
+  std::vector<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>> blocks(static_cast<std::size_t>(owned_rows_),
+                                                                   Eigen::Matrix2d::Zero());
+  std::vector<std::uint8_t> touched(blocks.size(), 0);
+  for (const FreeCells& shape : free_)
+    for (const CellRows& rows : shape.rows)
+      for (int a = 0; a < 4; ++a) {
+        const auto row = static_cast<std::size_t>(rows[static_cast<std::size_t>(a)]);
+        blocks[row] += shape.stiffness.block<2, 2>(2 * a, 2 * a);
+        touched[row] = 1;
+      }
+  for (Index row = 0; row < owned_rows_; ++row)
+    if (touched[static_cast<std::size_t>(row)])
+      adder.add({&row, 1}, {&row, 1}, {blocks[static_cast<std::size_t>(row)].data(), 4});
+}
+
+void ElasticTerm::add_tangent_action(std::span<const double> x, std::span<double> y) const
+{
+  static Event event("fe_tangent");
+  const Timed timed(event);
+  for (const FreeCells& shape : free_)
+    add_element_action(std::span<const double, 64>(shape.off_diagonal.data(), 64), shape.rows, x.data(), y.data());
 }
 } // namespace pdx::fem

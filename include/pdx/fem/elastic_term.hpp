@@ -3,7 +3,8 @@
 #include "pdx/field/term.hpp"
 
 namespace pdx::fem {
-/// Elements of the plain cells. The tangent is sparse as a whole; nothing is left to `add_tangent_action`.
+/// Elements of the plain cells. Small strain on a mesh of few shapes acts without a matrix where all nodes of a cell
+/// are owned; what is left to the sparse part are diagonal blocks and the cells at the border of the rank.
 /// The uses of the cells are read once, at construction; the mesh must outlive the Term.
 class ElasticTerm final : public field::Term {
 public:
@@ -18,6 +19,7 @@ public:
   void linearise(std::span<const double> u) override;
   void couplings(field::Couplings& couplings, bool whole) const override;
   void add_jacobian(field::BlockAdder& adder, bool whole) const override;
+  void add_tangent_action(std::span<const double> x, std::span<double> y) const override;
   bool constant_jacobian() const override { return body_.kinematics == Kinematics::small; }
 
 private:
@@ -26,6 +28,15 @@ private:
   ElementVector displacement_of(const CellRows& rows, std::span<const double> u) const;
   const ElementMatrix& stiffness_of(std::size_t k) const { return stiffness_[static_cast<std::size_t>(shape_[k])]; }
   void keep_stiffness();
+  void sort_out_free_cells();
+  void add_free_diagonal(field::BlockAdder& adder) const;
+
+  /// Cells of one shape that need no matrix.
+  struct FreeCells {
+    ElementMatrix stiffness;    ///< [N/m]
+    ElementMatrix off_diagonal; ///< without the 2 x 2 blocks on its diagonal [N/m]
+    std::vector<CellRows> rows; ///< of their nodes
+  };
 
   ElasticBody body_;
   std::vector<PetscInt> node_rows_;
@@ -35,6 +46,8 @@ private:
   std::vector<ElementMatrix> stiffness_;  ///< of the distinct shapes, in order of appearance (small only) [N/m]
   std::vector<Index> local_rows_;         ///< per local vertex, -1 where unused
   std::vector<double> node_displacement_; ///< 2 per local vertex, at the last linearisation (finite only) [m]
+  std::vector<FreeCells> free_;           ///< by shape
+  std::vector<Index> border_;             ///< cells that are not free
   Index owned_rows_ = 0;
 };
 } // namespace pdx::fem
