@@ -162,7 +162,8 @@ class Bench:
         figure, axes = plt.subplots(figsize=(4.6, 3.4))
         for (label, points), colour, marker in zip(curves.items(), ["#4477aa", "#ee6677", "#ccbb44", "#228833"], "os^D"):
             x, y = zip(*sorted(points))
-            axes.loglog(x, y, marker=marker, markersize=4, linewidth=1, color=colour, label=label)
+            one_way = all(b > a for a, b in zip(y, y[1:])) or all(b < a for a, b in zip(y, y[1:]))
+            axes.loglog(x, y, marker=marker, markersize=4, linewidth=1 if one_way else 0, color=colour, label=label)
         axes.set(xlabel=x_label, ylabel=y_label)
         axes.grid(True, which="major", linewidth=0.3)
         axes.spines[["top", "right"]].set_visible(False)
