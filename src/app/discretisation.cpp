@@ -40,6 +40,22 @@ void number_rows(const mesh::Mesh& mesh, Discretisation& d)
   for (const pd::Particle& p : d.particles) system.coordinates.insert(system.coordinates.end(), {p.x[0], p.x[1]});
 }
 
+/// Behind a layer of held particles the body is meant to go on: its particles keep complete families, as the layer
+/// does.
+pd::Exists<2> behind_layers(const SceneOptions& options, const geom::Lattice<2>& lattice, pd::Exists<2> exists)
+{
+  std::array<bool, 4> layered{}; // left, right, bottom, top
+  for (const BoundaryCondition& c : options.conditions)
+    for (std::size_t side = 0; c.layer && side < 4; ++side)
+      layered[side] = layered[side] || c.on == std::array{"left", "right", "bottom", "top"}[side];
+  if (std::none_of(layered.begin(), layered.end(), [](bool yes) { return yes; })) return exists;
+  return [layered, lattice, exists = std::move(exists)](const Site<2>& site) {
+    for (std::size_t d = 0; d < 2; ++d)
+      if ((site[d] < 0 && !layered[2 * d]) || (site[d] >= lattice.count[d] && !layered[2 * d + 1])) return exists(site);
+    return true;
+  };
+}
+
 std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const SceneOptions& options, const PatchPlan& plan,
                                                             const Discretisation& d)
 {
@@ -53,7 +69,8 @@ std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const SceneOptions& 
     row += static_cast<Index>(sites.size());
     pd::Exists<2> exists;
     if (options.pd.surface_correction != SurfaceCorrection::none)
-      exists = couple::family_of(d.around[p], plan.stencils[p], options.scheme);
+      exists = behind_layers(options, plan.shapes[p].lattice,
+                             couple::family_of(d.around[p], plan.stencils[p], options.scheme));
     parts.push_back(std::make_unique<pd::LatticePart<2>>(d.system.rows, plan.shapes[p].lattice, plan.stencils[p],
                                                          std::move(sites), first, exists));
   }

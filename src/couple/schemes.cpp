@@ -129,7 +129,7 @@ private:
     std::optional<Host> edge;
     if (options_.scheme != Scheme::ghost) {
       const auto part = geom::clip<2>(x, x + draft.xi, around_.shape().box);
-      edge = around_.edge_host(x + part->leave * draft.xi);
+      edge = around_.edge_host(x + part->leave * draft.xi, -draft.xi);
       if (!edge) return false;
       if (options_.scheme == Scheme::energy) draft.xi *= part->leave;
     }
@@ -149,8 +149,8 @@ private:
       if (!bonded(other)) continue;
       const auto part = geom::clip<2>(x, x + arm.xi, around_.shape().box);
       if (!part || (part->leave - part->enter) * arm.length < kShortest * lattice.dx) continue;
-      const auto enter = around_.edge_host(x + part->enter * arm.xi);
-      const auto leave = around_.edge_host(x + part->leave * arm.xi);
+      const auto enter = around_.edge_host(x + part->enter * arm.xi, arm.xi);
+      const auto leave = around_.edge_host(x + part->leave * arm.xi, -arm.xi);
       if (!enter || !leave) continue;
       Draft draft;
       draft.kappa = arm.kappa * surface_factor(site, other);

@@ -22,6 +22,55 @@ int side_of(const PatchShape& shape, const Vector<2>& a, const Vector<2>& b)
     }
   return -1;
 }
+
+struct Interval {
+  double begin, end;
+};
+
+/// The linear trace of the edges at s itself.
+template <class Edges> Host point_trace(const Edges& edges, double s)
+{
+  auto edge = std::upper_bound(edges.begin(), edges.end(), s, [](double v, const auto& e) { return v < e.begin; });
+  if (edge != edges.begin()) --edge;
+  const double t = std::clamp((s - edge->begin) / (edge->end - edge->begin), 0.0, 1.0);
+  return {{edge->rows[0], edge->rows[1], -1, -1}, {1.0 - t, t, 0.0, 0.0}, 2};
+}
+
+/// The mean of the trace over the lattice cell along the side that holds s, continued to s with the mean slope. It is
+/// the trace itself where no node lies inside the cell, exact for linear displacement everywhere, and hands the forces
+/// of a uniform lattice to the nodes exactly as a uniform traction would, whatever the ratio of element to spacing:
+/// over one point per cell, means add up to the integral and slopes to the difference of the ends.
+/// Nothing where the edges do not fill the cell or more than four nodes take part.
+template <class Edges> std::optional<Host> averaged_trace(const Edges& edges, double s, const Interval& cell)
+{
+  const double dx = cell.end - cell.begin, offset = (s - 0.5 * (cell.begin + cell.end)) / dx;
+  const double tiny = kOnSide * dx;
+  Host host;
+  double filled = 0.0;
+  const auto add = [&](PetscInt row, double weight) {
+    std::size_t k = 0;
+    while (k < static_cast<std::size_t>(host.count) && host.rows[k] != row) ++k;
+    if (k == host.rows.size()) return false;
+    if (k == static_cast<std::size_t>(host.count)) host.rows[static_cast<std::size_t>(host.count++)] = row;
+    host.weights[k] += weight;
+    return true;
+  };
+  auto edge = std::upper_bound(edges.begin(), edges.end(), cell.begin + tiny,
+                               [](double v, const auto& e) { return v < e.begin; });
+  if (edge != edges.begin()) --edge;
+  for (; edge != edges.end() && edge->begin < cell.end - tiny; ++edge) {
+    const double from = std::max(edge->begin, cell.begin), to = std::min(edge->end, cell.end);
+    if (to - from < tiny) continue;
+    const auto t = [&](double at) { return (at - edge->begin) / (edge->end - edge->begin); };
+    // Mean over the part in this edge, and rise over it; the rises of all parts add up to the slope times dx.
+    const double share = (to - from) / dx, middle = t(0.5 * (from + to)), rise = t(to) - t(from);
+    if (!add(edge->rows[0], share * (1.0 - middle) - offset * rise)) return std::nullopt;
+    if (!add(edge->rows[1], share * middle + offset * rise)) return std::nullopt;
+    filled += share;
+  }
+  if (std::abs(filled - 1.0) > 1e-6) return std::nullopt;
+  return host;
+}
 } // namespace
 
 Surroundings::Surroundings(PatchShape shape, Index band) : shape_(std::move(shape)), band_(band)
@@ -54,7 +103,7 @@ bool Surroundings::behind_elements(const Site<2>& site) const
     if (x[d] > shape_.box.lower[d] && x[d] < shape_.box.upper[d]) continue;
     Vector<2> foot = x.cwiseMax(shape_.box.lower + margin).cwiseMin(shape_.box.upper - margin);
     foot[d] = x[d] < shape_.box.lower[d] ? shape_.box.lower[d] : shape_.box.upper[d];
-    if (!edge_host(foot)) return false;
+    if (!edge_host(foot, Vector<2>::Zero())) return false;
   }
   return !shape_.lattice.contains(site);
 }
@@ -64,25 +113,21 @@ const Host& Surroundings::element_host(const Site<2>& site) const
   return hosts_[static_cast<std::size_t>(where_[position(site)] - 1)];
 }
 
-std::optional<Host> Surroundings::edge_host(const Vector<2>& x) const
+std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>& inward) const
 {
-  const double near = kOnSide * shape_.lattice.dx;
+  const double dx = shape_.lattice.dx, near = kOnSide * dx;
   for (std::size_t side = 0; side < 4; ++side) {
     const auto d = static_cast<Eigen::Index>(side / 2);
     const double face = side % 2 ? shape_.box.upper[d] : shape_.box.lower[d];
     if (std::abs(x[d] - face) > near || sides_[side].empty()) continue;
-    const double s = x[1 - d];
-    const auto& edges = sides_[side];
-    auto edge = std::upper_bound(edges.begin(), edges.end(), s, [](double v, const Edge& e) { return v < e.begin; });
-    if (edge == edges.begin() && s < edge->begin - near) continue;
-    if (edge != edges.begin()) --edge;
-    if (s > edge->end + near) continue;
-    const double t = std::clamp((s - edge->begin) / (edge->end - edge->begin), 0.0, 1.0);
-    Host host;
-    host.rows = {edge->rows[0], edge->rows[1], -1, -1};
-    host.weights = {1.0 - t, t, 0.0, 0.0};
-    host.count = 2;
-    return host;
+    const double s = x[1 - d], start = shape_.box.lower[1 - d];
+    if (s < sides_[side].front().begin - near || s > sides_[side].back().end + near) continue;
+    // A point on the border of two lattice cells counts to the one its bond comes from.
+    const double towards = inward[1 - d] > near ? near : inward[1 - d] < -near ? -near : 0.0;
+    const auto cells = shape_.lattice.count[static_cast<std::size_t>(1 - d)];
+    const double cell = std::clamp(std::floor((s + towards - start) / dx), 0.0, cells - 1.0);
+    const auto host = averaged_trace(sides_[side], s, {start + cell * dx, start + (cell + 1.0) * dx});
+    return host ? host : point_trace(sides_[side], s);
   }
   return std::nullopt;
 }

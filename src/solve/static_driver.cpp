@@ -136,22 +136,41 @@ PetscErrorCode StaticDriver::record(SNES, PetscInt, PetscReal norm, void* contex
   return guard([&] { static_cast<StaticDriver*>(context)->report_.norms.back().push_back(norm); });
 }
 
-void StaticDriver::solve(int step, Vec u)
+void StaticDriver::attempt(Vec u)
 {
-  static Event event("solve_load");
-  Timed timed(event);
+  PetscInt newton = 0, linear = 0;
   report_.norms.emplace_back();
   prescribe(u, load_);
   PDX_CALL(SNESSolve(snes_.get(), nullptr, u));
-  PetscInt newton = 0, linear = 0;
   PDX_CALL(SNESGetIterationNumber(snes_.get(), &newton));
   PDX_CALL(SNESGetLinearSolveIterations(snes_.get(), &linear));
   report_.newton_iterations += newton;
   report_.linear_iterations += linear;
   report_.jacobian_assemblies = tangent_.assemblies();
   report_.preconditioner_builds = two_level_ ? two_level_->builds() : tangent_.assemblies();
-  if (const std::string why = reason_of_failure(snes_.get()); !why.empty())
-    throw SolverFailure(fmt::format("load step {} of {} failed: {}", step, options_.load_steps, why));
+}
+
+/// If the linear solver fails, the smoother's fast interval may be too short for this scene: once, with the safe one.
+void StaticDriver::solve(int step, Vec u)
+{
+  static Event event("solve_load");
+  Timed timed(event);
+  const VecHandle start = system_.rows.vector();
+  PDX_CALL(VecCopy(u, start.get()));
+  attempt(u);
+  std::string why = reason_of_failure(snes_.get());
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  PDX_CALL(SNESGetKSP(snes_.get(), &ksp));
+  PDX_CALL(KSPGetPC(ksp, &pc));
+  PDX_CALL(KSPGetConvergedReason(ksp, &reason));
+  if (!why.empty() && reason < 0 && two_level_ && two_level_->widen(pc)) {
+    PDX_CALL(VecCopy(start.get(), u));
+    attempt(u);
+    why = reason_of_failure(snes_.get());
+  }
+  if (!why.empty()) throw SolverFailure(fmt::format("load step {} of {} failed: {}", step, options_.load_steps, why));
 }
 
 void StaticDriver::run(Vec u, const Accepted& accepted)

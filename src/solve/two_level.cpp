@@ -7,6 +7,7 @@ namespace {
 // The smoother works on [kLower, kUpper] of the block-Jacobi scaled spectrum, which no damage takes above 2 in the
 // lattice and which reaches 2.2 to 2.3 in square elements; Chebyshev stays definite up to kLower + kUpper.
 constexpr double kLower = 0.3, kUpper = 2.3;
+constexpr double kBound = 4.0; // what couples n rows has at most n there: elements 4, bonds 2, carried bonds up to 4
 constexpr PetscInt kSmoothings = 2;
 
 /// BoomerAMG's relaxation has no call of its own, only options: forward sweeps going down and backward sweeps going up
@@ -71,5 +72,19 @@ void TwoLevel::update(PC pc, std::span<const double> u)
   PDX_CALL(PCMGGetCoarseSolve(pc, &coarse));
   PDX_CALL(KSPSetOperators(coarse, coarse_.get(), coarse_.get()));
   ++builds_;
+}
+
+bool TwoLevel::widen(PC pc)
+{
+  PetscBool used = PETSC_FALSE, chosen = PETSC_FALSE, chebyshev = PETSC_FALSE;
+  PDX_CALL(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCMG, &used));
+  PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-mg_levels_ksp_chebyshev_eigenvalues", &chosen));
+  if (!used || chosen || wide_) return false;
+  KSP smoother = nullptr;
+  PDX_CALL(PCMGGetSmoother(pc, 1, &smoother));
+  PDX_CALL(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(smoother), KSPCHEBYSHEV, &chebyshev));
+  if (!chebyshev) return false;
+  PDX_CALL(KSPChebyshevSetEigenvalues(smoother, kBound, kLower));
+  return wide_ = true;
 }
 } // namespace pdx::solve

@@ -39,8 +39,10 @@ public:
   bool behind_elements(const Site<2>& site) const;
   /// The element that holds an outside site; count = 0 if no plain cell does.
   const Host& element_host(const Site<2>& site) const;
-  /// The two ends of the mesh edge in which the border of the patch is met at x; empty where no elements lie behind.
-  std::optional<Host> edge_host(const Vector<2>& x) const;
+  /// What carries the point x in which a bond meets the border of the patch: the nodes of the mesh edges there. Where
+  /// lattice cells and edges do not match, the trace of the edges is averaged over the lattice cell along the side.
+  /// `inward` points along the bond into the patch. Empty where no elements lie behind.
+  std::optional<Host> edge_host(const Vector<2>& x, const Vector<2>& inward) const;
   /// Box around the interface edges that have a row of [first, end), empty if there are none.
   std::optional<geom::Box<2>> edges_of_rows(PetscInt first, PetscInt end) const;
 

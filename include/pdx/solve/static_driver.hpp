@@ -40,6 +40,7 @@ private:
   static PetscErrorCode record(SNES, PetscInt iteration, PetscReal norm, void* self);
   void configure();
   void solve(int step, Vec u);
+  void attempt(Vec u);
   void prescribe(Vec u, double load) const;
   std::vector<double> unbalanced_force(std::span<const double> owned, double load) const;
 

@@ -13,6 +13,9 @@ public:
   void configure(PC pc);
   /// Takes the coarse operator at displacement u; does nothing if the user chose another PC. Collective.
   void update(PC pc, std::span<const double> u);
+  /// Widens the smoother's interval to the bound that holds for any elements and bonds; false if it is there already
+  /// or was chosen by the user.
+  bool widen(PC pc);
   int builds() const { return builds_; }
 
 private:
@@ -21,5 +24,6 @@ private:
   Prolongation prolongation_;
   MatHandle coarse_;
   int builds_ = 0;
+  bool wide_ = false;
 };
 } // namespace pdx::solve
