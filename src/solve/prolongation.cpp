@@ -29,11 +29,14 @@ template <std::size_t Dim> void accumulate(const field::Interpolation& p, const 
 Prolongation::Prolongation(const field::System& system, const field::CoarseSpace& coarse)
     : system_(system), coarse_(coarse)
 {
-  const int dim = system.rows.dim;
-  PDX_CALL(MatCreateShell(system.rows.comm, dim * system.rows.owned(), dim * coarse.halo().rows().owned(),
-                          PETSC_DETERMINE, PETSC_DETERMINE, this, shell_.out()));
-  PDX_CALL(MatShellSetOperation(shell_.get(), MATOP_MULT, reinterpret_cast<void (*)()>(prolong)));
-  PDX_CALL(MatShellSetOperation(shell_.get(), MATOP_MULT_TRANSPOSE, reinterpret_cast<void (*)()>(restrict_to)));
+  const PetscInt fine = system.rows.dim * system.rows.owned(), below = system.rows.dim * coarse.halo().rows().owned();
+  const auto make = [&](MatHandle& shell, PetscInt rows, PetscInt columns, auto multiply, auto multiply_transpose) {
+    PDX_CALL(MatCreateShell(system.rows.comm, rows, columns, PETSC_DETERMINE, PETSC_DETERMINE, this, shell.out()));
+    PDX_CALL(MatShellSetOperation(shell.get(), MATOP_MULT, reinterpret_cast<void (*)()>(multiply)));
+    PDX_CALL(MatShellSetOperation(shell.get(), MATOP_MULT_TRANSPOSE, reinterpret_cast<void (*)()>(multiply_transpose)));
+  };
+  make(prolongation_, fine, below, prolong, restrict_to);
+  make(restriction_, below, fine, restrict_to, prolong);
 }
 
 void Prolongation::mask(double* fine) const

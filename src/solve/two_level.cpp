@@ -38,7 +38,7 @@ void TwoLevel::configure(PC pc)
   PDX_CALL(PCSetType(pc, PCMG));
   PDX_CALL(PCMGSetLevels(pc, 2, nullptr));
   PDX_CALL(PCMGSetInterpolation(pc, 1, prolongation_.matrix()));
-  PDX_CALL(PCMGSetRestriction(pc, 1, prolongation_.matrix()));
+  PDX_CALL(PCMGSetRestriction(pc, 1, prolongation_.restriction()));
   KSP smoother = nullptr, coarse = nullptr;
   PC inner = nullptr;
   PDX_CALL(PCMGGetSmoother(pc, 1, &smoother));

@@ -9,7 +9,9 @@ public:
   Prolongation(const field::System& system, const field::CoarseSpace& coarse);
   Prolongation(const Prolongation&) = delete;
   Prolongation& operator=(const Prolongation&) = delete;
-  Mat matrix() const { return shell_.get(); }
+  Mat matrix() const { return prolongation_.get(); }
+  /// The transpose as a matrix of its own: PETSc tells the two apart by their sizes, which may happen to be equal.
+  Mat restriction() const { return restriction_.get(); }
 
 private:
   static PetscErrorCode prolong(Mat shell, Vec coarse, Vec fine);
@@ -19,7 +21,7 @@ private:
 
   const field::System& system_;
   const field::CoarseSpace& coarse_;
-  MatHandle shell_;
+  MatHandle prolongation_, restriction_;
   std::vector<double> work_; // coarse local blocks
 };
 } // namespace pdx::solve

@@ -107,6 +107,16 @@ TEST(TwoLevel, SolvesWhatTheAssembledMatrixSolves)
   expect_assembled_solution(clamped_particles(40));
 }
 
+// One particle in a corner of four cells: nine fine and nine coarse rows, so sizes do not tell interpolation and
+// restriction apart.
+TEST(TwoLevel, AsManyCoarseRowsAsFineOnes)
+{
+  auto options = test::held_plate({2, 2});
+  options.conditions.resize(1); // left
+  options.conditions.push_back(pull("right", {1e-3, 5e-4}));
+  expect_few_iterations(test::with_patch(options, {{0.5, 0.5}, {1.0, 1.0}}, 0.5));
+}
+
 TEST(TwoLevel, SupportsInParticleRowsAndFreeSurfaces)
 {
   auto options = clamped_particles(40);
