@@ -128,13 +128,18 @@ void Recorder::write_results(Vec u, const solve::StaticDriver& driver, const pos
   results["max_displacement_component"] = largest;
 }
 
-void Recorder::finish(const solve::StaticReport& report)
+void Recorder::count(const solve::StaticReport& report)
 {
   summary_.wall_seconds.solve = report.seconds;
   summary_.newton_iterations = report.newton_iterations;
   summary_.linear_iterations = report.linear_iterations;
   summary_.jacobian_assemblies = report.jacobian_assemblies;
   summary_.factorizations = report.preconditioner_builds;
+}
+
+void Recorder::finish(const solve::StaticReport& report)
+{
+  count(report);
   write_summary("done");
   print_phases(report);
 }

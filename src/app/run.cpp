@@ -34,7 +34,11 @@ std::vector<double> reference_displacement(const mesh::Mesh& mesh, const SceneOp
   const auto d = discretise(mesh, options, {}, {}, true);
   solve::StaticDriver driver(d->system, {options.load_steps, true});
   const VecHandle u = d->system.rows.vector();
-  driver.run(u.get(), [](int, Vec) {});
+  try {
+    driver.run(u.get(), [](int, Vec) {});
+  } catch (const SolverFailure& failure) {
+    throw SolverFailure(fmt::format("the elements-only reference (-post_reference_fe): {}", failure.what()));
+  }
   return d->vertex_displacement(u.get());
 }
 
@@ -90,7 +94,12 @@ void run(MPI_Comm comm, double begin)
     solve::StaticDriver driver(d->system, {options.load_steps, assembled});
     const VecHandle u = d->system.rows.vector();
     recorder.started();
-    driver.run(u.get(), [&](int step, Vec state) { recorder.accept(step, state, driver, reference); });
+    try {
+      driver.run(u.get(), [&](int step, Vec state) { recorder.accept(step, state, driver, reference); });
+    } catch (const SolverFailure&) {
+      recorder.count(driver.report());
+      throw;
+    }
     recorder.finish(driver.report());
     if (const std::string unused = unused_options(); !unused.empty())
       recorder.warn("options of PETSc that nothing used: " + unused);

@@ -139,9 +139,11 @@ PetscErrorCode StaticDriver::record(SNES, PetscInt, PetscReal norm, void* contex
 void StaticDriver::attempt(Vec u)
 {
   PetscInt newton = 0, linear = 0;
+  const double begin = MPI_Wtime();
   report_.norms.emplace_back();
   prescribe(u, load_);
   PDX_CALL(SNESSolve(snes_.get(), nullptr, u));
+  report_.seconds += MPI_Wtime() - begin;
   PDX_CALL(SNESGetIterationNumber(snes_.get(), &newton));
   PDX_CALL(SNESGetLinearSolveIterations(snes_.get(), &linear));
   report_.newton_iterations += newton;
@@ -176,11 +178,9 @@ void StaticDriver::solve(int step, Vec u)
 void StaticDriver::run(Vec u, const Accepted& accepted)
 {
   for (int step = 1; step <= options_.load_steps; ++step) {
-    const double begin = MPI_Wtime();
     load_ = static_cast<double>(step) / options_.load_steps;
     solve(step, u);
     report_.steps = step;
-    report_.seconds += MPI_Wtime() - begin;
     accepted(step, u);
   }
 }

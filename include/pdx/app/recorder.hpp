@@ -18,6 +18,7 @@ public:
   void started(); ///< set-up is over, solving begins
   /// @param reference elements-only displacement per local vertex, empty without
   void accept(int step, Vec u, const solve::StaticDriver& driver, const std::vector<double>& reference);
+  void count(const solve::StaticReport& report); ///< what it cost so far, for the summary
   void finish(const solve::StaticReport& report);
   void fail(const std::string& why);
   void warn(const std::string& what); ///< a line on standard error, even when quiet
