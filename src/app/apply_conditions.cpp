@@ -171,21 +171,21 @@ private:
   {
     if (!mesh_.bounds().contains(c.at, 1e-9 * mesh_.bounds().size().norm()))
       throw UserError(fmt::format("-bc_{}_at is {},{}: lies outside the mesh", c.name, c.at[0], c.at[1]));
-    Index nearest = -1;
-    double distance = std::numeric_limits<double>::max();
-    const auto consider = [&](const Vector<2>& x, Index row) {
-      if ((x - c.at).norm() < distance) distance = (x - c.at).norm(), nearest = row;
-    };
-    for (std::size_t k = 0; k < d_.nodes.size(); ++k) consider(mesh_.point(d_.nodes[k]), static_cast<Index>(k));
+    std::vector<std::pair<Vector<2>, Index>> places;
+    for (std::size_t k = 0; k < d_.nodes.size(); ++k)
+      places.emplace_back(mesh_.point(d_.nodes[k]), static_cast<Index>(k));
     for (std::size_t k = 0; k < d_.particles.size(); ++k)
-      consider(d_.particles[k].x, d_.system.rows.first_particle() + static_cast<Index>(k));
-    struct {
-      double distance;
-      int rank;
-    } mine{distance, 0}, best{};
-    MPI_Comm_rank(mesh_.comm(), &mine.rank);
-    MPI_Allreduce(&mine, &best, 1, MPI_DOUBLE_INT, MPI_MINLOC, mesh_.comm());
-    if (best.rank == mine.rank) add(nearest, *c.force);
+      places.emplace_back(d_.particles[k].x, d_.system.rows.first_particle() + static_cast<Index>(k));
+    double nearest = std::numeric_limits<double>::max();
+    for (const auto& place : places) nearest = std::min(nearest, (place.first - c.at).norm());
+    MPI_Allreduce(MPI_IN_PLACE, &nearest, 1, MPI_DOUBLE, MPI_MIN, mesh_.comm());
+
+    // Places at the same distance share the force: which rank has them, and in what order, must not matter.
+    const double within = nearest * (1.0 + 1e-9) + 1e-12 * mesh_.bounds().size().norm();
+    std::erase_if(places, [&](const auto& place) { return (place.first - c.at).norm() > within; });
+    auto count = static_cast<Index>(places.size());
+    MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT, MPI_SUM, mesh_.comm());
+    for (const auto& place : places) add(place.second, *c.force / count);
   }
 
   fem::NodalForces target() { return {d_.node_rows, d_.system.rows, d_.system.load}; }

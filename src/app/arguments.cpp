@@ -8,7 +8,7 @@
 
 namespace pdx::app {
 namespace {
-constexpr int kDeepest = 16; // files named in files; deeper ones are left to PETSc
+constexpr int kDeepest = 16; // files named in files; PETSc itself would follow a circle for ever
 
 /// The file named by a line "-options_file FILE", "" for any other line.
 std::string nested_file(const std::string& line)
@@ -30,9 +30,13 @@ std::string fault_of(const std::string& path, int depth = 0)
   for (int number = 1; std::getline(file, line); ++number) {
     const std::size_t begin = line.find_first_not_of(" \t\r");
     if (begin == std::string::npos || line[begin] == '#') continue;
-    if (const std::string nested = nested_file(line.substr(begin)); !nested.empty() && depth < kDeepest) {
+    if (const std::string nested = nested_file(line.substr(begin)); !nested.empty()) {
+      if (depth == kDeepest)
+        return fmt::format("-options_file {}, line {}: more than {} files named in files, or a circle", path, number,
+                           kDeepest);
       const std::string fault = fault_of(nested, depth + 1);
-      if (!fault.empty()) return fmt::format("{} (named in {}, line {})", fault, path, number);
+      if (!fault.empty())
+        return fault.ends_with(')') ? fault : fmt::format("{} (named in {}, line {})", fault, path, number);
     }
     if (line[begin] == '-') continue;
     return fmt::format("-options_file {}, line {}: \"{}\" is no option: lines are -name value, or # comment", path,

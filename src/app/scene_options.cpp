@@ -134,6 +134,10 @@ void judge(const BoundaryCondition& c)
   if (c.traction && c.on.empty())
     throw UserError(
         fmt::format("{0}_traction needs edges: name their boundary with {0}_on (and cut it with {0}_box)", stem));
+  if (!c.on.empty() && !c.holds() && !c.traction)
+    throw UserError(fmt::format("{0}_on is {1}: a body force acts everywhere or in {0}_box, a point force at {0}_at; "
+                                "drop {0}_on",
+                                stem, c.on));
   if (c.layer && (!c.holds() || c.on.empty()))
     throw UserError(
         fmt::format("{0}_layer holds particles outside a boundary: give {0}_on and {0}_displacement", stem));
@@ -156,13 +160,15 @@ BoundaryCondition read_condition(const std::string& name, bool describe)
   c.displacement = read_components(o, stem + "_displacement");
   c.traction = read_vector(o, stem + "_traction", "Pa", "constant traction tx,ty on the boundary");
   c.body = read_vector(o, stem + "_body", "N/m^3", "body force bx,by");
-  c.force = read_vector(o, stem + "_force", "N", "point force fx,fy on the nearest node or particle");
+  c.force = read_vector(o, stem + "_force", "N",
+                        "point force fx,fy on the nearest node or particle, shared by equally near ones");
   const auto at = read_vector(o, stem + "_at", "m", "place x,y of the point force");
   if (at) c.at = *at;
   c.rows = o.integer(stem + "_rows", 1, "particle rows under the boundary that take part", {1.0, 1e6});
   c.layer = o.boolean(stem + "_layer", false, "hold a layer of one horizon of particles outside the boundary");
   if (describe) return c;
   if (c.force && !at) throw UserError(fmt::format("{0}_force needs a place: give {0}_at x,y", stem));
+  if (at && !c.force) throw UserError(fmt::format("{0}_at is the place of a point force: give {0}_force fx,fy", stem));
   judge(c);
   return c;
 }

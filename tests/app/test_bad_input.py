@@ -50,6 +50,7 @@ FILES = {
     "garbage.msh": "This is a letter, not a mesh.\nIt has two lines.\n",
     "empty.msh": "",
     "no_dash.opts": "-mesh_cells 4,4\nmaterial_young 1e9\n",
+    "circle.opts": "-options_file circle.opts\n",
     "blocker": "a regular file\n",
 }
 
@@ -182,6 +183,11 @@ CASES = [
           bc_right_force="1,0", bc_right_at="2,2"),
     plate("point force without a point", r"-bc_right_at\b", bc_right_on=None, bc_right_traction=None,
           bc_right_force="1,0"),
+    plate("place without a point force", r"-bc_right_at\b.*-bc_right_force\b", bc_right_at="0.5,0.5"),
+    plate("body force on a boundary", r"-bc_right_on\b.*body.*-bc_right_box\b", bc_right_traction=None,
+          bc_right_body="1,0"),
+    plate("point force on a boundary", r"-bc_right_on\b.*-bc_right_at\b", bc_right_traction=None,
+          bc_right_force="1,0", bc_right_at="0.5,0.5"),
     plate("no condition at all", r"-bc_names\b|-bc_\w*displacement", bc_names=None, bc_left_on=None,
           bc_left_displacement=None, bc_right_on=None, bc_right_traction=None),
     plate("plate that nothing holds", r"displacement|held|support", bc_names="right", bc_left_on=None,
@@ -191,6 +197,7 @@ CASES = [
           bc_left_box="-0.1,-0.1,0.1,0.1"),
     # --- files
     plate("missing options file", r"nowhere\.opts", options_file="{dir}/nowhere.opts"),
+    plate("options file that names itself", r"circle\.opts.*circle", options_file="{dir}/circle.opts"),
     plate("options file with a line without a dash", r"no_dash\.opts|material_young", options_file="{dir}/no_dash.opts",
           material_young=None),
     plate("output directory below a regular file", r"blocker", output_dir="{dir}/blocker/out"),
