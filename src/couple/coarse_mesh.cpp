@@ -12,6 +12,9 @@ namespace {
 constexpr double kHeldShare = 0.3;
 /// Held coarse components take no correction: their diagonal is this much above the others.
 constexpr double kHeldStiffness = 1e8;
+/// Held particles too few to hold a coarse component are springs on it, each this stiff: without them a body that only
+/// such particles hold would leave the coarse level singular.
+constexpr double kSpringStiffness = 1.0;
 
 std::vector<PetscInt> vertex_rows(const mesh::Mesh& mesh, const field::Rows& rows)
 {
@@ -74,13 +77,25 @@ void CoarseMesh::hold(std::span<const Index> nodes, std::span<const ParticlePlac
   }
   halo_->reduce(sums, 3);
   std::vector<double> flags(static_cast<std::size_t>(rows_.owned()) * 2, 0.0), all;
+  leaning_.assign(flags.size(), 0.0);
   for (std::size_t v = 0; v < static_cast<std::size_t>(rows_.owned()); ++v)
-    for (std::size_t a = 0; a < 2; ++a)
+    for (std::size_t a = 0; a < 2; ++a) {
+      leaning_[2 * v + a] = sums[3 * v + a];
       flags[2 * v + a] = sums[3 * v + 2] > 0.0 && sums[3 * v + a] >= kHeldShare * sums[3 * v + 2];
+    }
   for (std::size_t k = 0; k < nodes.size(); ++k)
     for (std::size_t a = 0; a < 2; ++a) flags[2 * static_cast<std::size_t>(nodes[k]) + a] = system.held[2 * k + a];
   halo_->fetch(flags, 2, all);
   held_.assign(all.begin(), all.end());
+}
+
+void CoarseMesh::add_springs(field::BlockAdder& adder) const
+{
+  for (Index row = 0; row < rows_.owned(); ++row) {
+    const double* weight = &leaning_[2 * static_cast<std::size_t>(row)];
+    const std::array values{kSpringStiffness * scale_ * weight[0], 0.0, 0.0, kSpringStiffness * scale_ * weight[1]};
+    if (weight[0] > 0.0 || weight[1] > 0.0) adder.add(std::span(&row, 1), std::span(&row, 1), values);
+  }
 }
 
 MatHandle CoarseMesh::assemble(std::span<const double> u)
@@ -101,6 +116,7 @@ MatHandle CoarseMesh::assemble(std::span<const double> u)
   field::BlockAdder adder(matrix.get(), *halo_, held_);
   fem::assemble_stiffness(body_, cells_, local_rows_, small ? std::vector<double>{} : node_field_.displacement(u),
                           adder);
+  add_springs(adder);
   adder.finish(kHeldStiffness * scale_);
   PDX_CALL(MatConvert(matrix.get(), MATAIJ, MAT_INPLACE_MATRIX, matrix.address()));
   return matrix;

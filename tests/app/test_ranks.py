@@ -79,6 +79,19 @@ class Ranks(program.ProgramTest):
     def test_finite_kinematics_in_two_steps(self):
         self.assert_ranks_agree(PATCH | {"-kinematics": "finite", "-load_steps": "2"}, ranks=(2,))
 
+    def test_point_force_between_equally_near_particles(self):
+        exact = {"-mesh_cells": "8,8", "-pd_patches": "0.25,0.25,0.75,0.75", "-pd_spacing": "0.0625"}
+        push = {"-bc_names": PATCH["-bc_names"] + ",push", "-bc_push_force": "0,-1e6", "-bc_push_at": "0.5,0.5"}
+        self.assert_ranks_agree(PATCH | exact | push)
+
+    def test_body_that_only_particles_inside_a_patch_hold(self):
+        held = {"-bc_clamp_on": None, "-bc_clamp_box": "0.42,0.42,0.52,0.52", "-mesh_cells": "10,10",
+                "-pd_patches": "0.3,0.3,0.7,0.7", "-pd_spacing": "0.05"}
+        self.assert_ranks_agree(PATCH | held, ranks=(3,))
+        two_level, assembled = (self.solve(PATCH | held | FIELDS | {"-pd_operator": operator})
+                                for operator in ("matrix_free", "assembled"))
+        self.assert_same_displacement(assembled, two_level)
+
     def test_every_partitioner(self):
         runs = [self.solve(PATCH | FIELDS)]
         for partitioner in ("ptscotch", "simple"):

@@ -27,6 +27,7 @@ public:
 
 private:
   void hold(std::span<const Index> nodes, std::span<const ParticlePlace> particles, const field::System& system);
+  void add_springs(field::BlockAdder& adder) const;
 
   fem::ElasticBody body_;
   const NodeField& node_field_;
@@ -36,6 +37,7 @@ private:
   std::vector<Index> cells_;      // local cells that touch an owned vertex
   field::Interpolation interpolation_;
   std::vector<std::uint8_t> held_; // per component of every local coarse row
+  std::vector<double> leaning_;    // per component of owned coarse rows: weight of prescribed particles
   double scale_;
 };
 } // namespace pdx::couple
