@@ -1,0 +1,72 @@
+#pragma once
+#include "pdx/geom/box.hpp"
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace pdx::crack {
+/// A crack: straight pieces from point to point.                                   [m]
+using Polyline = std::vector<Vector<2>>;
+/// True for points inside the body and not on its surface.
+using Inside = std::function<bool(const Vector<2>&)>;
+
+/// An end of a crack inside the body.
+struct Tip {
+  int crack = 0;                            ///< number of its crack
+  bool last = false;                        ///< the crack's last point, else its first
+  Vector<2> at = Vector<2>::Zero();         ///< [m]
+  Vector<2> direction = Vector<2>::UnitX(); ///< unit vector out of the crack, the way it would grow on
+};
+
+/// The cracks of a scene, and every question about where they are. In space they reach through the thickness: only x
+/// and y of a point matter.
+///
+/// Left of a crack (looking from its first to its last point) is its + side. A point on the crack, or on its straight
+/// prolongation, counts as left: the crack is seen as shifted to its right by less than anything else. All signs come
+/// from exact predicates, so that they are the same from either end of a bond and on every rank.
+class CrackSet {
+public:
+  CrackSet() = default;
+  /// Ends inside the box are tips. Ends on its surface, to 1e-9 of its size, are mouths: the crack is seen as going on
+  /// straight for 1e-3 of the box's size, so that rounding leaves no skin. Throws UserError for a crack with fewer than
+  /// two points, equal neighbouring points, a point that is not finite, or one that turns back on or crosses itself.
+  CrackSet(std::vector<Polyline> cracks, const geom::Box<2>& body);
+  /// As above for any body; a crack with an end that is not inside is prolonged there by `prolong` [m], unless that
+  /// comes to lie inside again.
+  CrackSet(std::vector<Polyline> cracks, const Inside& inside, double prolong);
+
+  int size() const { return static_cast<int>(cracks_.size()); }
+  bool empty() const { return cracks_.empty(); }
+  const Polyline& points(int crack) const { return cracks_[static_cast<std::size_t>(crack)].given; } ///< as given
+  std::span<const Tip> tips() const { return tips_; }
+  double length(int crack) const; ///< as given [m]
+
+  /// +1 left of the crack and on it, -1 right; never 0. Beyond an end: of its straight prolongation.
+  int side(int crack, const Vector<2>& x) const;
+  /// Distance from the crack times `side`; beyond an end, from its straight prolongation.       [m]
+  double signed_distance(int crack, const Vector<2>& x) const;
+  /// How far x is beyond the nearest end of the crack, along the crack's direction there; 0 beside the crack. [m]
+  double beyond(int crack, const Vector<2>& x) const;
+
+  /// Does the crack part the straight bond from a to b: does the bond change sides anywhere on its way? A bond that
+  /// meets only a tip stays, as does one that touches a corner from outside or runs along the crack; one through an
+  /// inner corner from side to side is cut. The same for (b, a).
+  bool cuts(int crack, const Vector<2>& a, const Vector<2>& b) const;
+  bool cuts(const Vector<2>& a, const Vector<2>& b) const; ///< by any crack
+  /// May a bond with an end at x, at most `reach` [m] long, be cut by any crack? Quick, and true rather too often.
+  bool near(const Vector<2>& x, double reach) const;
+
+private:
+  struct Crack {
+    Polyline given, seen; ///< seen: mouths prolonged
+    geom::Box<2> bounds;  ///< of seen
+  };
+  struct Foot;
+  Foot foot(int crack, const Vector<2>& x) const;
+  void add(Polyline points, const Inside& inside, double prolong);
+
+  std::vector<Crack> cracks_;
+  std::vector<Tip> tips_;
+};
+} // namespace pdx::crack

@@ -1,0 +1,161 @@
+#include "pdx/crack/crack_set.hpp"
+
+#include "parting.hpp"
+#include "pdx/base/error.hpp"
+#include "pdx/geom/orientation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace pdx::crack {
+namespace {
+constexpr double kSurface = 1e-9; // of the body's size: an end this near to its surface is on it
+constexpr double kProlong = 1e-3; // of the body's size
+
+Vector<2> direction(const Vector<2>& from, const Vector<2>& to) { return (to - from).normalized(); }
+double cross(const Vector<2>& a, const Vector<2>& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+void check(const Polyline& points, std::size_t number)
+{
+  const auto refuse = [number](const std::string& what) {
+    throw UserError(fmt::format("crack {}: {}", number + 1, what));
+  };
+  const auto text = [](const Vector<2>& x) { return fmt::format("({:g}, {:g})", x.x(), x.y()); };
+  if (points.size() < 2) refuse(fmt::format("{} point(s) given; a crack needs two or more", points.size()));
+  for (const Vector<2>& x : points)
+    if (!x.allFinite()) refuse("a coordinate is not a finite number");
+  for (std::size_t k = 0; k + 1 < points.size(); ++k)
+    if (points[k] == points[k + 1]) refuse(fmt::format("the point {} is there twice; give it once", text(points[k])));
+  for (std::size_t k = 1; k + 1 < points.size(); ++k)
+    if (geom::orientation(points[k - 1], points[k], points[k + 1]) == 0 &&
+        (points[k] - points[k - 1]).dot(points[k + 1] - points[k]) < 0.0)
+      refuse(fmt::format("it turns back on itself at {}", text(points[k])));
+  for (std::size_t i = 0; i + 1 < points.size(); ++i)
+    for (std::size_t j = i + 2; j + 1 < points.size(); ++j)
+      if (meet(points[i], points[i + 1], points[j], points[j + 1]))
+        refuse(fmt::format("the piece from {} and the piece from {} meet; give branches as cracks of their own",
+                           text(points[i]), text(points[j])));
+}
+
+geom::Box<2> bounds_of(const Polyline& points)
+{
+  geom::Box<2> box{points[0], points[0]};
+  for (const Vector<2>& x : points) {
+    box.lower = box.lower.cwiseMin(x);
+    box.upper = box.upper.cwiseMax(x);
+  }
+  return box;
+}
+} // namespace
+
+/// The point of a crack nearest to some x.
+struct CrackSet::Foot {
+  std::size_t segment = 0; ///< from point `segment` to the next
+  double t = 0.0;          ///< place on it, 0 to 1              [-]
+  double squared = 0.0;    ///< square of its distance from x    [m^2]
+};
+
+CrackSet::CrackSet(std::vector<Polyline> cracks, const geom::Box<2>& body)
+    : CrackSet(
+          std::move(cracks),
+          [&body](const Vector<2>& x) { return body.contains(x, -kSurface * body.size().maxCoeff()); },
+          kProlong * body.size().maxCoeff())
+{}
+
+CrackSet::CrackSet(std::vector<Polyline> cracks, const Inside& inside, double prolong)
+{
+  for (std::size_t k = 0; k < cracks.size(); ++k) check(cracks[k], k);
+  for (Polyline& points : cracks) add(std::move(points), inside, prolong);
+}
+
+void CrackSet::add(Polyline points, const Inside& inside, double prolong)
+{
+  Crack crack{points, points, {}};
+  const std::size_t end = points.size() - 1;
+  for (const bool last : {false, true}) {
+    const Vector<2>& at = last ? points[end] : points[0];
+    const Vector<2> out = last ? direction(points[end - 1], at) : direction(points[1], at);
+    if (inside(at)) {
+      tips_.push_back({size(), last, at, out});
+      continue;
+    }
+    const Vector<2> further = at + prolong * out;
+    if (!inside(further)) crack.seen.insert(last ? crack.seen.end() : crack.seen.begin(), further);
+  }
+  crack.bounds = bounds_of(crack.seen);
+  cracks_.push_back(std::move(crack));
+}
+
+double CrackSet::length(int crack) const
+{
+  double sum = 0.0;
+  const Polyline& p = points(crack);
+  for (std::size_t k = 0; k + 1 < p.size(); ++k) sum += (p[k + 1] - p[k]).norm();
+  return sum;
+}
+
+CrackSet::Foot CrackSet::foot(int crack, const Vector<2>& x) const
+{
+  const Polyline& p = cracks_[static_cast<std::size_t>(crack)].seen;
+  Foot best;
+  for (std::size_t k = 0; k + 1 < p.size(); ++k) {
+    const Vector<2> along = p[k + 1] - p[k];
+    const double t = std::clamp((x - p[k]).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    const double squared = (x - p[k] - t * along).squaredNorm();
+    if (k == 0 || squared < best.squared) best = {k, t, squared};
+  }
+  return best;
+}
+
+int CrackSet::side(int crack, const Vector<2>& x) const
+{
+  const Polyline& p = cracks_[static_cast<std::size_t>(crack)].seen;
+  const Foot f = foot(crack, x);
+  const std::size_t corner = f.segment + (f.t >= 1.0 ? 1 : 0);
+  if ((f.t <= 0.0 || f.t >= 1.0) && corner > 0 && corner + 1 < p.size())
+    return left_at(p[corner - 1], p[corner], p[corner + 1], x) ? 1 : -1;
+  return geom::orientation(p[f.segment], p[f.segment + 1], x) >= 0 ? 1 : -1;
+}
+
+double CrackSet::signed_distance(int crack, const Vector<2>& x) const
+{
+  const Polyline& p = cracks_[static_cast<std::size_t>(crack)].seen;
+  const Foot f = foot(crack, x);
+  const std::size_t corner = f.segment + (f.t >= 1.0 ? 1 : 0);
+  const bool at_corner = (f.t <= 0.0 || f.t >= 1.0) && corner > 0 && corner + 1 < p.size();
+  const Vector<2>&from = p[f.segment], &to = p[f.segment + 1];
+  const double distance = at_corner ? std::sqrt(f.squared) : std::abs(cross(direction(from, to), x - from));
+  return side(crack, x) * distance;
+}
+
+double CrackSet::beyond(int crack, const Vector<2>& x) const
+{
+  const Polyline& p = cracks_[static_cast<std::size_t>(crack)].seen;
+  const Foot f = foot(crack, x);
+  if (f.t <= 0.0 && f.segment == 0) return direction(p[1], p[0]).dot(x - p[0]);
+  if (f.t >= 1.0 && f.segment + 2 == p.size()) return direction(p[f.segment], p.back()).dot(x - p.back());
+  return 0.0;
+}
+
+bool CrackSet::cuts(int crack, const Vector<2>& a, const Vector<2>& b) const
+{
+  const Crack& c = cracks_[static_cast<std::size_t>(crack)];
+  if ((a.cwiseMin(b).array() > c.bounds.upper.array()).any() || (a.cwiseMax(b).array() < c.bounds.lower.array()).any())
+    return false;
+  return parts(c.seen, a, b);
+}
+
+bool CrackSet::cuts(const Vector<2>& a, const Vector<2>& b) const
+{
+  for (int crack = 0; crack < size(); ++crack)
+    if (cuts(crack, a, b)) return true;
+  return false;
+}
+
+bool CrackSet::near(const Vector<2>& x, double reach) const
+{
+  return std::any_of(cracks_.begin(), cracks_.end(),
+                     [&](const Crack& crack) { return crack.bounds.contains(x, 1.000001 * reach); });
+}
+} // namespace pdx::crack
