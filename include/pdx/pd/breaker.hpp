@@ -1,0 +1,41 @@
+#pragma once
+#include "pdx/crack/crack_set.hpp"
+#include "pdx/geom/lattice.hpp"
+#include "pdx/pd/bond_kernel.hpp"
+#include "pdx/pd/stencil.hpp"
+
+namespace pdx::pd {
+/// The bond words of a window to write to; layout as BondView::words. Nothing here ever sets a bit: bonds do not heal.
+using BondWords = std::array<std::uint64_t*, 2>;
+
+/// When a bond breaks.
+struct BreakRule {
+  Kinematics kinematics = Kinematics::finite;
+  double critical_stretch = 0.0;         ///< s0; bonds with s > s0 break             [-]
+  const std::uint8_t* no_fail = nullptr; ///< per window site; bonds with an end where it is not 0 never break
+};
+
+/// Where the sites of a window are. Points are those of the whole lattice, so that they are equal on every rank.
+template <int Dim> struct WindowSites {
+  geom::Lattice<Dim> lattice; ///< the whole patch
+  Site<Dim> lower{};          ///< site of window index 0
+  Site<Dim> extent{};         ///< sites per direction, padding included
+};
+
+/// Intact bonds that start at (whose lower end is) a particle of the runs. Summed over ranks: each bond once.
+template <int Dim> std::int64_t count_bonds(const BondView<Dim>& view, std::span<const Run> runs);
+
+/// Clears the bits of all bonds of the particles in the runs with s > s0 at view.u, and returns how many of those start
+/// at a particle of the runs. A pass of its own: bonds are judged at one displacement, in any order. Bonds to particles
+/// of other ranks are cleared here and there, by the same arithmetic from the same end. Run kinds are not looked at;
+/// afterwards runs of particles that lost a bond are no longer `whole`.
+/// @param words the words of the view, writable
+template <int Dim>
+std::int64_t break_bonds(const BondView<Dim>& view, std::span<const Run> runs, const BreakRule& rule, BondWords words);
+
+/// Clears the bits of all bonds in the window that a crack parts, and returns how many of those start at a particle of
+/// the runs. In 3-D the cracks reach through the thickness.
+template <int Dim>
+std::int64_t cut_bonds(const crack::CrackSet& cracks, const WindowSites<Dim>& sites, const Stencil<Dim>& stencil,
+                       std::span<const Run> runs, BondWords words);
+} // namespace pdx::pd
