@@ -115,10 +115,15 @@ private:
       throw UserError(
           fmt::format("-bc_{}_{}: no node and no particle lies there to be held", c.name, c.box ? "box" : "on"));
     HeldPart part{c.name, {}};
+    const auto take_over = [&](Index component) { // later conditions win, and the reaction is theirs
+      for (HeldPart& earlier : d_.held_parts) std::erase(earlier.components, component);
+    };
     for (const Index row : rows)
       for (Index a = 0; a < 2; ++a)
         if (const auto& value = c.displacement[static_cast<std::size_t>(a)]) {
+          const bool contested = values_.contains(2 * row + a);
           values_[2 * row + a] = *value;
+          if (contested) take_over(2 * row + a);
           part.components.push_back(2 * row + a);
         }
     d_.held_parts.push_back(std::move(part));
@@ -158,13 +163,19 @@ private:
 
   void weigh(const BoundaryCondition& c)
   {
-    const auto density = [&](const Vector<2>& x) { return inside(c, x) ? *c.body : Vector<2>(0.0, 0.0); };
+    bool reached = false;
+    const auto density = [&](const Vector<2>& x) {
+      reached = reached || inside(c, x);
+      return inside(c, x) ? *c.body : Vector<2>(0.0, 0.0);
+    };
     fem::add_body_force(mesh_, density, options_.elastic.thickness, target());
     for (std::size_t k = 0; k < d_.particles.size(); ++k) {
       const double dx = plan_.shapes[static_cast<std::size_t>(d_.particles[k].patch)].lattice.dx;
       add(d_.system.rows.first_particle() + static_cast<Index>(k),
           dx * dx * options_.elastic.thickness * density(d_.particles[k].x));
     }
+    if (!any_rank(mesh_.comm(), reached))
+      throw UserError(fmt::format("-bc_{}_box: nothing lies there for the body force to act on", c.name));
   }
 
   void push(const BoundaryCondition& c)

@@ -4,6 +4,7 @@
 #include "pdx/base/gather.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 
 namespace pdx::app {
 namespace {
@@ -77,12 +78,22 @@ std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const SceneOptions& 
   return parts;
 }
 
+/// Bonds are made to be finer than the elements that carry their ends: beyond that uniform strain is no longer exact.
+void refuse_coarse_patches(const SceneOptions& options, const Discretisation& d)
+{
+  for (std::size_t p = 0; p < d.around.size(); ++p)
+    if (const double dx = d.around[p].shape().lattice.dx, h = d.around[p].shortest_edge(); dx > 1.000001 * h)
+      throw UserError(fmt::format("-pd_spacing is {}: must be at most the {:.6g} m of the elements beside patch {}",
+                                  options.pd.spacing_of(p), h, p + 1));
+}
+
 void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d,
                       bool assembled)
 {
   Index band = 0;
   for (const auto& stencil : plan.stencils) band = std::max(band, stencil.reach + pd::family_reach<2>(stencil));
   d.around = couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows);
+  refuse_coarse_patches(options, d);
   auto parts = make_parts(options, plan, d);
   const bool corrected = std::any_of(parts.begin(), parts.end(), [](const auto& part) { return part->corrected(); });
   const bool volume = options.pd.surface_correction == SurfaceCorrection::volume;

@@ -26,9 +26,9 @@ law::Elastic read_material(bool describe)
   static constexpr const char* planes[] = {"stress", "strain"};
   elastic.plane = static_cast<law::Plane>(o.choice("-material_plane", 0, planes, "plane problem"));
   elastic.young = o.real("-material_young", kNone, "Pa", "Young's modulus", Range::positive());
-  elastic.poisson =
-      o.real("-material_poisson", law::required_poisson(2, elastic.plane), "-",
-             "Poisson's ratio; peridynamics has only 1/3 (plane stress) or 1/4 (plane strain)", {-0.999, 0.4999});
+  elastic.poisson = o.real("-material_poisson", law::required_poisson(2, elastic.plane), "-",
+                           "Poisson's ratio; with particles 1/3 (plane stress) or 1/4 (plane strain), taken exactly",
+                           {-0.999, 0.4999});
   elastic.thickness = o.real("-material_thickness", 1.0, "m", "out-of-plane thickness", Range::positive());
   if (!describe && std::isnan(elastic.young))
     throw UserError("-material_young is missing: give Young's modulus in Pa, e.g. -material_young 1e9");
@@ -138,6 +138,7 @@ void judge(const BoundaryCondition& c)
     throw UserError(fmt::format("{0}_on is {1}: a body force acts everywhere or in {0}_box, a point force at {0}_at; "
                                 "drop {0}_on",
                                 stem, c.on));
+  if (c.layer && c.box) throw UserError(fmt::format("{0}_box cannot cut {0}_layer: a layer is held as a whole", stem));
   if (c.layer && (!c.holds() || c.on.empty()))
     throw UserError(
         fmt::format("{0}_layer holds particles outside a boundary: give {0}_on and {0}_displacement", stem));
@@ -233,6 +234,7 @@ SceneOptions SceneOptions::read(bool describe)
   }
   s.elastic = read_material(describe);
   s.pd = read_pd(s.elastic, describe);
+  if (!describe && s.pd.any()) s.elastic.poisson = law::required_poisson(2, s.elastic.plane); // one value for all
   s.scheme = static_cast<couple::Scheme>(
       Options("couple").choice("-couple_scheme", 0, schemes, "how bonds that leave a patch act on elements"));
   s.conditions = read_conditions(describe);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 namespace pdx::couple {
@@ -130,6 +131,14 @@ std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>&
     return host ? host : point_trace(sides_[side], s);
   }
   return std::nullopt;
+}
+
+double Surroundings::shortest_edge() const
+{
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const auto& side : sides_)
+    for (const Edge& edge : side) shortest = std::min(shortest, edge.end - edge.begin);
+  return shortest;
 }
 
 std::optional<geom::Box<2>> Surroundings::edges_of_rows(PetscInt first, PetscInt end) const

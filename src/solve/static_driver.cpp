@@ -57,6 +57,28 @@ void StaticDriver::configure()
   else
     PDX_CALL(PCSetType(pc, PCHYPRE));
   PDX_CALL(SNESSetFromOptions(snes));
+  refuse_wrong_krylov(ksp, pc);
+}
+
+/// A Krylov method that cannot solve this system would end far from the answer, or in PETSc's own words.
+void StaticDriver::refuse_wrong_krylov(KSP ksp, PC pc) const
+{
+  KSPType krylov = nullptr;
+  PCType type = nullptr;
+  PDX_CALL(KSPGetType(ksp, &krylov));
+  PDX_CALL(PCGetType(pc, &type));
+  const std::string_view method = krylov, preconditioner = type;
+  const bool direct = preconditioner == PCLU || preconditioner == PCCHOLESKY || preconditioner == PCREDUNDANT;
+  if (method == KSPPREONLY && !direct)
+    throw UserError(
+        fmt::format("-ksp_type preonly applies the preconditioner {} once and stops: use it with -pc_type lu "
+                    "or cholesky only",
+                    preconditioner));
+  const bool symmetric_only = method == KSPCG || method == KSPMINRES || method == KSPSYMMLQ || method == KSPCR;
+  if (symmetric_only && !system_.symmetric())
+    throw UserError(fmt::format("-ksp_type {} needs a symmetric tangent, which -couple_scheme interface has not: use "
+                                "gmres or bcgs",
+                                method));
 }
 
 void StaticDriver::prescribe(Vec u, double load) const

@@ -109,6 +109,13 @@ CASES = [
     plate("neither true nor false in history", r"-output_history\b.*2.*true.*false", output_history="2"),
     plate("unknown partitioner", r"partitioner.*nonsense", petscpartitioner_type="nonsense"),
     plate("unknown linear solver", r"nonsense", ksp_type="nonsense"),
+    plate("preconditioner once", r"-ksp_type preonly\b.*-pc_type lu", ksp_type="preonly"),
+    patch("symmetric method on an unsymmetric tangent", r"-ksp_type cg\b.*-couple_scheme interface\b.*gmres",
+          ksp_type="cg", couple_scheme="interface"),
+    patch("particles coarser than elements", r"-pd_spacing\b.*0\.5.*at most the 0\.25 m of the elements",
+          pd_patches="0.25,0.25,0.75,0.75", pd_spacing="0.5"),
+    plate("body force where nothing is", r"-bc_right_box\b.*nothing", bc_right_traction=None, bc_right_on=None,
+          bc_right_body="0,1", bc_right_box="5,5,6,6"),
     # --- numbers
     plate("Young's modulus below zero", r"-material_young\b.*-1(e\+?0?9|0{9})\b.*above 0", material_young="-1e9"),
     plate("Young's modulus zero", r"-material_young\b.*above 0", material_young="0"),

@@ -43,6 +43,8 @@ public:
   /// lattice cells and edges do not match, the trace of the edges is averaged over the lattice cell along the side.
   /// `inward` points along the bond into the patch. Empty where no elements lie behind.
   std::optional<Host> edge_host(const Vector<2>& x, const Vector<2>& inward) const;
+  /// Length of the shortest interface edge, infinite if there is none [m].
+  double shortest_edge() const;
   /// Box around the interface edges that have a row of [first, end), empty if there are none.
   std::optional<geom::Box<2>> edges_of_rows(PetscInt first, PetscInt end) const;
 

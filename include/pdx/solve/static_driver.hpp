@@ -39,6 +39,7 @@ private:
   static PetscErrorCode jacobian(SNES, Vec u, Mat, Mat, void* self);
   static PetscErrorCode record(SNES, PetscInt iteration, PetscReal norm, void* self);
   void configure();
+  void refuse_wrong_krylov(KSP ksp, PC pc) const;
   void solve(int step, Vec u);
   void attempt(Vec u);
   void prescribe(Vec u, double load) const;
