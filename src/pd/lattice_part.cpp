@@ -286,11 +286,6 @@ template <int Dim> BondView<Dim> LatticePart<Dim>::view(const Window& window) co
   return view;
 }
 
-template <int Dim> std::size_t LatticePart<Dim>::bytes() const
-{
-  return (words_[0].size() + words_[1].size() + share_.size()) * 8 + local_rows_.size() * sizeof(Index);
-}
-
 template class LatticePart<2>;
 template class LatticePart<3>;
 } // namespace pdx::pd

@@ -53,7 +53,6 @@ public:
   std::span<const Run> linear_runs() const { return linear_runs_; } ///< whole where absent neighbours count as u = 0
   /// True if some bond of the patch, on whatever rank, has a surface correction factor.
   bool corrected() const { return corrected_; }
-  std::size_t bytes() const; ///< memory of the arrays kept here [B]
 
 private:
   std::ptrdiff_t at(const Site<Dim>& site) const;
