@@ -47,13 +47,13 @@ class Layers:
     def reaches(self, room):
         """Rooms that `room` may see, directly or through others."""
         seen = set()
-        todo = [room]
-        while todo:
-            for entry in self.allowed.get(todo.pop(), []):
+        waiting = [room]
+        while waiting:
+            for entry in self.allowed.get(waiting.pop(), []):
                 for target in self.allowed if entry == "*" else [entry.split("/")[0]]:
                     if target not in seen and not (entry == "*" and target == room):
                         seen.add(target)
-                        todo.append(target)
+                        waiting.append(target)
         return seen
 
     def cycles(self):

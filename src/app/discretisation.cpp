@@ -2,6 +2,7 @@
 
 #include "pdx/app/apply_conditions.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/mesh/vertex_halo.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -32,10 +33,7 @@ void number_rows(const mesh::Mesh& mesh, Discretisation& d)
   d.node_rows.assign(static_cast<std::size_t>(mesh.vertices()), -1);
   for (std::size_t k = 0; k < d.nodes.size(); ++k)
     d.node_rows[static_cast<std::size_t>(d.nodes[k])] = system.rows.first + static_cast<PetscInt>(k);
-  if (mesh.vertex_sf()) {
-    PDX_CALL(PetscSFBcastBegin(mesh.vertex_sf(), MPIU_INT, d.node_rows.data(), d.node_rows.data(), MPI_REPLACE));
-    PDX_CALL(PetscSFBcastEnd(mesh.vertex_sf(), MPIU_INT, d.node_rows.data(), d.node_rows.data(), MPI_REPLACE));
-  }
+  mesh::fill_halo(mesh, MPIU_INT, 1, d.node_rows.data());
   for (const Index v : d.nodes)
     system.coordinates.insert(system.coordinates.end(), {mesh.point(v)[0], mesh.point(v)[1]});
   for (const pd::Particle& p : d.particles) system.coordinates.insert(system.coordinates.end(), {p.x[0], p.x[1]});

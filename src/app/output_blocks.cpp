@@ -1,6 +1,7 @@
 #include "pdx/app/output_blocks.hpp"
 
 #include "pdx/fem/stress_recovery.hpp"
+#include "pdx/mesh/vertex_halo.hpp"
 
 #include <algorithm>
 
@@ -27,10 +28,7 @@ std::vector<PetscInt> file_numbers(const mesh::Mesh& mesh)
   const field::Rows rows = field::Rows::number(mesh.comm(), 1, mesh.owned_vertices(), 0, 0);
   std::vector<PetscInt> numbers(static_cast<std::size_t>(mesh.vertices()));
   for (Index v = 0; v < mesh.owned_vertices(); ++v) numbers[static_cast<std::size_t>(v)] = rows.first + v;
-  if (mesh.vertex_sf()) {
-    PDX_CALL(PetscSFBcastBegin(mesh.vertex_sf(), MPIU_INT, numbers.data(), numbers.data(), MPI_REPLACE));
-    PDX_CALL(PetscSFBcastEnd(mesh.vertex_sf(), MPIU_INT, numbers.data(), numbers.data(), MPI_REPLACE));
-  }
+  mesh::fill_halo(mesh, MPIU_INT, 1, numbers.data());
   return numbers;
 }
 

@@ -2,6 +2,7 @@
 
 #include "pdx/base/events.hpp"
 #include "pdx/mesh/locate.hpp"
+#include "pdx/mesh/vertex_halo.hpp"
 
 #include <numeric>
 
@@ -20,10 +21,7 @@ std::vector<PetscInt> vertex_rows(const mesh::Mesh& mesh, const field::Rows& row
 {
   std::vector<PetscInt> all(static_cast<std::size_t>(mesh.vertices()), -1);
   std::iota(all.begin(), all.begin() + mesh.owned_vertices(), rows.first);
-  if (mesh.vertex_sf()) {
-    PDX_CALL(PetscSFBcastBegin(mesh.vertex_sf(), MPIU_INT, all.data(), all.data(), MPI_REPLACE));
-    PDX_CALL(PetscSFBcastEnd(mesh.vertex_sf(), MPIU_INT, all.data(), all.data(), MPI_REPLACE));
-  }
+  mesh::fill_halo(mesh, MPIU_INT, 1, all.data());
   return all;
 }
 } // namespace

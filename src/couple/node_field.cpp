@@ -1,5 +1,7 @@
 #include "pdx/couple/node_field.hpp"
 
+#include "pdx/mesh/vertex_halo.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -71,13 +73,7 @@ std::vector<double> NodeField::displacement(std::span<const double> u) const
   for (std::size_t v = 0; v + 1 < offsets_.size(); ++v)
     for (std::size_t k = offsets_[v]; k < offsets_[v + 1]; ++k)
       for (std::size_t a = 0; a < 2; ++a) all[2 * v + a] += weights_[k] * u[2 * static_cast<std::size_t>(rows_[k]) + a];
-  if (!mesh_.vertex_sf()) return all;
-  MPI_Datatype pair = MPI_DATATYPE_NULL;
-  MPI_Type_contiguous(2, MPI_DOUBLE, &pair);
-  MPI_Type_commit(&pair);
-  PDX_CALL(PetscSFBcastBegin(mesh_.vertex_sf(), pair, all.data(), all.data(), MPI_REPLACE));
-  PDX_CALL(PetscSFBcastEnd(mesh_.vertex_sf(), pair, all.data(), all.data(), MPI_REPLACE));
-  MPI_Type_free(&pair);
+  mesh::fill_halo(mesh_, MPI_DOUBLE, 2, all.data());
   return all;
 }
 } // namespace pdx::couple
