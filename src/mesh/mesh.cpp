@@ -50,15 +50,21 @@ void Mesh::cover(Index c, int patch)
   lists_current_ = false;
 }
 
+void Mesh::cut(Index c)
+{
+  PDX_ASSERT(use(c) == Use::plain);
+  use_[static_cast<std::size_t>(c)] = Use::cut;
+  lists_current_ = false;
+}
+
 std::span<const Index> Mesh::cells(Use wanted) const
 {
   if (!lists_current_) {
-    plain_.clear();
-    covered_.clear();
-    for (Index c = 0; c < cells(); ++c) (use(c) == Use::plain ? plain_ : covered_).push_back(c);
+    for (auto& list : lists_) list.clear();
+    for (Index c = 0; c < cells(); ++c) lists_[static_cast<std::size_t>(use(c))].push_back(c);
     lists_current_ = true;
   }
-  return wanted == Use::plain ? plain_ : covered_;
+  return lists_[static_cast<std::size_t>(wanted)];
 }
 
 void Mesh::uncover()

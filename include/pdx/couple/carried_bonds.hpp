@@ -12,6 +12,8 @@ template <int Dim> struct CarriedBond {
   Vector<Dim> xi;                 ///< reference vector from a to b                       [m]
   double kappa = 0.0;             ///< force per unit stretch                             [N]
   double energy_share = 0.0;      ///< whole bond length over particle volume where a is a particle, else 0 [1/m^2]
+  double volume = 0.0;            ///< beta V of the outer end where a is a particle, else 0 [m^3]
+  bool cut = false;               ///< by a crack from the start: it carries nothing, but counts in the whole family
 };
 
 /// The bonds that do not join two particles of a patch: springs of the coupling schemes, all with the bond force law.

@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/field/after_solve.hpp"
 #include "pdx/field/coarse_space.hpp"
 #include "pdx/field/term.hpp"
 
@@ -16,6 +17,7 @@ struct System {
   Rows rows;
   std::unique_ptr<RowHalo> halo;
   std::vector<std::unique_ptr<Term>> terms;
+  std::vector<std::unique_ptr<AfterSolve>> after; ///< asked in this order after each solve
   Prescribed prescribed;
   std::vector<std::uint8_t> held;      ///< 1 per prescribed component of every local row [owned | halo]
   std::vector<double> load;            ///< external force at load 1, owned rows * dim [N]

@@ -31,7 +31,11 @@ public:
     (void)x;
     (void)y;
   }
-  /// True if the tangent does not depend on u: it is then built once.
+  /// Owned rows that may have lost all stiffness in some direction (particles that lost bonds), repeats allowed. Where
+  /// the diagonal block of the whole tangent is singular, the row is held in that direction: nothing else feels it.
+  virtual void weak_rows(std::vector<Index>& rows) const { (void)rows; }
+  /// True if the tangent does not depend on u: it is then built once, and again only after an AfterSolve changed
+  /// something.
   virtual bool constant_jacobian() const { return false; }
   /// True if the tangent is symmetric.
   virtual bool symmetric() const { return true; }

@@ -9,8 +9,9 @@
 #include <vector>
 
 namespace pdx::mesh {
-/// Who carries the physics of a cell: elements, or the peridynamic patch that covers it.
-enum class Use : std::uint8_t { plain, covered };
+/// Who carries the physics of a cell: a plain element, an element that a crack cuts, or the peridynamic patch that
+/// covers it.
+enum class Use : std::uint8_t { plain, cut, covered };
 
 /// Edge on the outer boundary; seen from its cell the vertices run counter-clockwise (outward normal to the right).
 struct BoundaryEdge {
@@ -61,6 +62,8 @@ public:
   Index natural_vertex(Index v) const { return arrays_.natural_vertex[static_cast<std::size_t>(v)]; }
   int cell_owner(Index c) const { return arrays_.cell_owner[static_cast<std::size_t>(c)]; }
   std::array<Vector<2>, 4> corners(Index c) const;
+  std::span<const std::array<Index, 4>> all_cells() const { return arrays_.cells; } ///< vertices of every local cell
+  std::span<const Vector<2>> points() const { return arrays_.points; }              ///< of every local vertex [m]
   Vector<2> centroid(Index c) const;
 
   PetscSF vertex_sf() const { return arrays_.vertex_sf.get(); }
@@ -72,10 +75,11 @@ public:
   std::vector<std::string> boundary_names() const;
 
   Use use(Index c) const { return use_[static_cast<std::size_t>(c)]; }
-  /// Number of the patch that covers cell c, -1 for a plain cell.
+  /// Number of the patch that covers cell c, -1 for an element.
   int patch(Index c) const { return patch_[static_cast<std::size_t>(c)]; }
   void cover(Index c, int patch);
-  void uncover(); ///< makes every cell plain again
+  void cut(Index c); ///< a plain cell becomes a cut one
+  void uncover();    ///< makes every cell plain again
   /// Local cells of one use, overlap included: lists, so that loops carry no ifs.
   std::span<const Index> cells(Use use) const;
 
@@ -85,7 +89,7 @@ private:
   MeshArrays arrays_;
   std::vector<Use> use_;
   std::vector<int> patch_;
-  mutable std::vector<Index> plain_, covered_;
+  mutable std::array<std::vector<Index>, 3> lists_; // by use
   mutable bool lists_current_ = false;
 };
 } // namespace pdx::mesh

@@ -1,0 +1,67 @@
+#pragma once
+#include "pdx/crack/crack_set.hpp"
+#include "pdx/mesh/mesh.hpp"
+#include "pdx/xfem/enrichment.hpp"
+
+namespace pdx::xfem {
+/// The enriched set of a node for one crack: its second row.
+struct EnrichedSet {
+  int crack = 0;
+  PetscInt row = -1;      ///< global; -1 until `number`
+  Side side = Side::plus; ///< of the node: H(x_i)
+};
+
+/// A local cell that a crack cuts, as element.
+struct CutElement {
+  Index cell = 0;
+  int crack = 0;
+  std::optional<Side> snapped;   ///< a sliver so small that the whole cell moves with this side
+  EnrichedElement element;
+  std::array<PetscInt, 4> sets{-1, -1, -1, -1}; ///< global row of each corner's set, -1 for none
+};
+
+/// What cutting a mesh came to, on all ranks.
+struct CutReport {
+  Index cells = 0, sets = 0;
+  Index dropped = 0;             ///< nodes left without a set because a side has too little of their support
+  std::vector<Vector<2>> closed; ///< tips that end in elements: the crack closes at the last cut edge before them [m]
+};
+
+/// Which cells of a distributed mesh the cracks cut, and which enriched sets its nodes have [XPD1 Eqs. 10-12]. The
+/// same answer on any number of ranks.
+class EnrichedSets {
+public:
+  /// Cuts the plain cells (Use::cut from then on; covered ones stay as they are). Throws UserError naming the place
+  /// where two cracks cut one cell. Collective.
+  EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, const EnrichmentRule& rule);
+
+  /// Sets of owned vertices, in order of rows: ascending local vertex, then crack.
+  Index owned() const { return static_cast<Index>(vertices_.size()); }
+  std::span<const Index> vertices() const { return vertices_; } ///< local vertex of each owned set
+  /// Owned set k has global row first + k; tells it to the ranks that have copies. Collective.
+  void number(PetscInt first);
+  std::span<const EnrichedSet> of(Index vertex) const; ///< sets of a local vertex, by crack
+
+  std::span<const CutElement> cells() const { return cells_; } ///< local cut cells, ascending by cell
+  const CutElement* cut(Index cell) const;                     ///< of a local cell; nullptr if no crack cuts it
+  const CutReport& report() const { return report_; }
+  const crack::CrackSet& cracks() const { return cracks_; }
+  /// Side of a point of a cut cell, which moves as a whole if snapped.
+  Side side_in(const CutElement& cut, const Vector<2>& x) const;
+
+private:
+  const crack::CrackSet& cracks_;
+  std::vector<Index> vertices_;
+  std::vector<std::size_t> offsets_; // per local vertex, into sets_
+  std::vector<EnrichedSet> sets_;
+  std::vector<CutElement> cells_;
+  CutReport report_;
+};
+
+/// What the corner a of a cut element adds to the displacement on `side`: u_i + factor * set; 0 on its own side or
+/// without a set [XPD1 Eq. 12].
+inline double set_factor(const CutElement& cut, std::size_t a, Side side)
+{
+  return cut.sets[a] < 0 ? 0.0 : shifted_step(side, cut.element.side[a]);
+}
+} // namespace pdx::xfem
