@@ -15,7 +15,7 @@ struct EnrichedSet {
 struct CutElement {
   Index cell = 0;
   int crack = 0;
-  std::optional<Side> snapped;   ///< a sliver so small that the whole cell moves with this side
+  std::optional<Side> snapped; ///< a sliver so small that the whole cell moves with this side
   EnrichedElement element;
   std::array<PetscInt, 4> sets{-1, -1, -1, -1}; ///< global row of each corner's set, -1 for none
 };
