@@ -1,0 +1,91 @@
+#include "pdx/post/crack_growth.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+namespace pdx::post {
+namespace {
+/// Height above the tip's prolongation, left of it positive.
+double height(const crack::Tip& tip, const Vector<2>& x)
+{
+  const Vector<2> from = x - tip.at;
+  return tip.direction.x() * from.y() - tip.direction.y() * from.x();
+}
+
+/// Where the bond from a to b crosses the prolongation, as distance from the tip; none if it does not, or behind the
+/// tip. A crossing at the tip itself counts, whatever rounding says.
+std::optional<double> crossing(const crack::Tip& tip, const Vector<2>& a, const Vector<2>& b, double rounding)
+{
+  const auto snapped = [&](double h) { return std::abs(h) <= rounding ? 0.0 : h; };
+  const double at_a = snapped(height(tip, a)), at_b = snapped(height(tip, b));
+  if ((at_a >= 0.0) == (at_b >= 0.0)) return std::nullopt;
+  const double share = at_a / (at_a - at_b);
+  const double distance = tip.direction.dot(a - tip.at + share * (b - a));
+  if (distance < -rounding) return std::nullopt;
+  return std::max(0.0, distance);
+}
+
+/// The patch whose box holds the point.
+std::optional<std::size_t> patch_of(std::span<const std::unique_ptr<pd::LatticePart<2>>> parts, const Vector<2>& x)
+{
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const geom::Lattice<2>& lattice = parts[p]->lattice();
+    const Vector<2> size = lattice.dx * Vector<2>(lattice.count[0], lattice.count[1]);
+    if (geom::Box<2>{lattice.origin, lattice.origin + size}.contains(x)) return p;
+  }
+  return std::nullopt;
+}
+
+/// What this rank's particles know: bonds that start at them.
+void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, TipGrowth& growth)
+{
+  const crack::Tip& tip = cracks.tips()[growth.tip];
+  const geom::Lattice<2>& lattice = part.lattice();
+  const auto& arms = part.stencil().half;
+  const double rounding = 1e-9 * lattice.dx, reach = (part.stencil().reach + 1) * 1.5 * lattice.dx;
+  std::vector<std::uint8_t> intact(arms.size());
+  for (Index k = 0; k < static_cast<Index>(part.sites().size()); ++k) {
+    const Site<2> site = lattice.site(part.sites()[static_cast<std::size_t>(k)]);
+    const Vector<2> a = lattice.point(site);
+    if (std::abs(height(tip, a)) > reach) continue;
+    std::ranges::fill(intact, std::uint8_t{0});
+    part.for_each_bond(k, [&](std::size_t h, int sign, const Site<2>&, double) {
+      if (sign > 0) intact[h] = 1;
+    });
+    for (std::size_t h = 0; h < arms.size(); ++h) {
+      const Site<2> other{site[0] + arms[h].step[0], site[1] + arms[h].step[1]};
+      if (!lattice.contains(other)) continue;
+      const Vector<2> b = lattice.point(other);
+      const std::optional<double> distance = crossing(tip, a, b, rounding);
+      if (!distance) continue;
+      if (intact[h])
+        growth.first_intact = std::min(growth.first_intact, *distance);
+      else if (*distance > growth.farthest_broken && !cracks.cuts(a, b))
+        growth.farthest_broken = *distance;
+    }
+  }
+}
+} // namespace
+
+std::vector<TipGrowth> crack_growth(MPI_Comm comm, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
+                                    const crack::CrackSet& cracks)
+{
+  std::vector<TipGrowth> all;
+  std::vector<double> nearest; // first_intact and -farthest_broken, for one minimum over ranks
+  for (std::size_t t = 0; t < cracks.tips().size(); ++t) {
+    const std::optional<std::size_t> patch = patch_of(parts, cracks.tips()[t].at);
+    if (!patch) continue;
+    TipGrowth growth{t, *patch, std::numeric_limits<double>::infinity(), 0.0};
+    look(*parts[*patch], cracks, growth);
+    nearest.insert(nearest.end(), {growth.first_intact, -growth.farthest_broken});
+    all.push_back(growth);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, nearest.data(), static_cast<int>(nearest.size()), MPI_DOUBLE, MPI_MIN, comm);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    all[k].first_intact = nearest[2 * k];
+    all[k].farthest_broken = -nearest[2 * k + 1];
+  }
+  return all;
+}
+} // namespace pdx::post
