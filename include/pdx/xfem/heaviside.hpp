@@ -5,7 +5,7 @@
 namespace pdx::xfem {
 /// The two sides of a crack. A point on the crack itself, at distance 0, is on the plus side.
 enum class Side { minus, plus };
-constexpr std::array kSides{Side::minus, Side::plus};
+inline constexpr std::array kSides{Side::minus, Side::plus};
 
 /// Side of a point at a signed distance from the crack [m].
 constexpr Side side_of(double distance) { return distance < 0.0 ? Side::minus : Side::plus; }
