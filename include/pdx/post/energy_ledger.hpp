@@ -1,0 +1,41 @@
+#pragma once
+#include "pdx/field/system.hpp"
+
+namespace pdx::post {
+/// Where the energy of a body is. [J]
+struct Energies {
+  double elements = 0.0, bonds = 0.0, interface = 0.0; ///< elastic: FE, lattice bonds, carried bonds
+  double dissipated = 0.0;                             ///< by broken bonds so far
+
+  double elastic() const { return elements + bonds + interface; }
+};
+
+/// The books after a step. [J]
+struct EnergyBalance {
+  double work = 0.0; ///< of the loads and of what is prescribed, since the start
+  Energies energies; ///< of all ranks
+  /// work - elastic - dissipated. In statics this is what the trapezoidal rule leaves and what a crack that jumps at a
+  /// fixed load sets free beyond the energy of its bonds.
+  double error() const { return work - energies.elastic() - energies.dissipated; }
+};
+
+/// Energy over the accepted steps of a load path that starts at rest without load.
+class EnergyLedger {
+public:
+  /// The system, its loads and prescribed components complete, must outlive the ledger.
+  explicit EnergyLedger(const field::System& system);
+
+  /// Books an accepted equilibrium. External forces are the load, and the internal force where a displacement is
+  /// prescribed (reaction and load together); their work is added by the trapezoidal rule. Collective.
+  /// @param load load factor   @param u, internal_force of the owned rows, 2-D or 3-D as the system [m, N]
+  /// @param mine this rank's energies, totals at this step
+  const EnergyBalance& accept(double load, std::span<const double> u, std::span<const double> internal_force,
+                              const Energies& mine);
+  const EnergyBalance& balance() const { return balance_; }
+
+private:
+  const field::System& system_;
+  std::vector<double> u_, force_; // at the last accepted step, owned
+  EnergyBalance balance_;
+};
+} // namespace pdx::post

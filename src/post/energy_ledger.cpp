@@ -1,0 +1,27 @@
+#include "pdx/post/energy_ledger.hpp"
+
+namespace pdx::post {
+EnergyLedger::EnergyLedger(const field::System& system)
+    : system_(system), u_(system.load.size(), 0.0), force_(system.load.size(), 0.0)
+{}
+
+const EnergyBalance& EnergyLedger::accept(double load, std::span<const double> u,
+                                          std::span<const double> internal_force, const Energies& mine)
+{
+  std::vector<double> force(system_.load);
+  for (double& f : force) f *= load;
+  for (const Index c : system_.prescribed.components)
+    force[static_cast<std::size_t>(c)] = internal_force[static_cast<std::size_t>(c)];
+  double work = 0.0;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    work += 0.5 * (force_[i] + force[i]) * (u[i] - u_[i]);
+    u_[i] = u[i];
+  }
+  force_ = std::move(force);
+  double sums[] = {work, mine.elements, mine.bonds, mine.interface, mine.dissipated};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, system_.rows.comm);
+  balance_.work += sums[0];
+  balance_.energies = {sums[1], sums[2], sums[3], sums[4]};
+  return balance_;
+}
+} // namespace pdx::post
