@@ -2,6 +2,7 @@
 
 #include "pdx/base/gather.hpp"
 #include "pdx/fem/loads.hpp"
+#include "pdx/xfem/loads.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -132,7 +133,10 @@ private:
   void add_node(Index v, std::set<Index>& rows) const
   {
     const PetscInt row = d_.node_rows[static_cast<std::size_t>(v)];
-    if (v < mesh_.owned_vertices() && row >= 0) rows.insert(row - d_.system.rows.first);
+    if (v >= mesh_.owned_vertices() || row < 0) return;
+    rows.insert(row - d_.system.rows.first);
+    if (!d_.sets) return;
+    for (const xfem::EnrichedSet& set : d_.sets->of(v)) rows.insert(set.row - d_.system.rows.first); // either face
   }
 
   bool in_layer(const BoundaryCondition& c, const Vector<2>& x) const
@@ -147,9 +151,10 @@ private:
   {
     const auto edges = edges_of(c);
     fem::add_traction(mesh_, edges, *c.traction, options_.elastic.thickness, target());
+    if (d_.sets) xfem::add_traction(mesh_, *d_.sets, edges, *c.traction, options_.elastic.thickness, target());
     double length = 0.0;
     for (const mesh::BoundaryEdge& e : edges)
-      if (mesh_.use(e.cell) == mesh::Use::plain) length += 1.0;
+      if (mesh_.use(e.cell) != mesh::Use::covered) length += 1.0;
     for (const CoveredEdge& e : covered_edges(edges)) {
       const double dx = plan_.shapes[static_cast<std::size_t>(e.patch)].lattice.dx;
       const double share = dx * options_.elastic.thickness / c.rows;
@@ -169,6 +174,7 @@ private:
       return inside(c, x) ? *c.body : Vector<2>(0.0, 0.0);
     };
     fem::add_body_force(mesh_, density, options_.elastic.thickness, target());
+    if (d_.sets) xfem::add_body_force(mesh_, *d_.sets, density, options_.elastic.thickness, target());
     for (std::size_t k = 0; k < d_.particles.size(); ++k) {
       const double dx = plan_.shapes[static_cast<std::size_t>(d_.particles[k].patch)].lattice.dx;
       add(d_.system.rows.first_particle() + static_cast<Index>(k),

@@ -19,24 +19,37 @@ pd::Kinematics bond_kinematics(const SceneOptions& options)
   return options.kinematics == Kinematics::small ? pd::Kinematics::linear : pd::Kinematics::finite;
 }
 
+/// Cuts the elements; the cracks may leave the body, but not start outside it.
+void cut_cells(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
+{
+  if (options.cracks.lines.empty()) return;
+  d.cracks = crack::CrackSet(options.cracks.lines, options.mesh.file.empty() ? plan.body : mesh.bounds());
+  d.sets = std::make_unique<xfem::EnrichedSets>(mesh, d.cracks, options.cracks.rule);
+}
+
 /// Nodes that touch an element have a row; those inside a patch have none.
 void number_rows(const mesh::Mesh& mesh, Discretisation& d)
 {
   std::vector<std::uint8_t> active(static_cast<std::size_t>(mesh.vertices()), 0);
-  for (const Index c : mesh.cells(mesh::Use::plain))
-    for (const Index v : mesh.cell(c)) active[static_cast<std::size_t>(v)] = 1;
+  for (const mesh::Use use : {mesh::Use::plain, mesh::Use::cut})
+    for (const Index c : mesh.cells(use))
+      for (const Index v : mesh.cell(c)) active[static_cast<std::size_t>(v)] = 1;
   for (Index v = 0; v < mesh.owned_vertices(); ++v)
     if (active[static_cast<std::size_t>(v)]) d.nodes.push_back(v);
   field::System& system = d.system;
-  system.rows = field::Rows::number(mesh.comm(), 2, static_cast<Index>(d.nodes.size()), 0,
+  system.rows = field::Rows::number(mesh.comm(), 2, static_cast<Index>(d.nodes.size()), d.sets ? d.sets->owned() : 0,
                                     static_cast<Index>(d.particles.size()));
   d.node_rows.assign(static_cast<std::size_t>(mesh.vertices()), -1);
   for (std::size_t k = 0; k < d.nodes.size(); ++k)
     d.node_rows[static_cast<std::size_t>(d.nodes[k])] = system.rows.first + static_cast<PetscInt>(k);
   mesh::fill_halo(mesh, MPIU_INT, 1, d.node_rows.data());
-  for (const Index v : d.nodes)
-    system.coordinates.insert(system.coordinates.end(), {mesh.point(v)[0], mesh.point(v)[1]});
-  for (const pd::Particle& p : d.particles) system.coordinates.insert(system.coordinates.end(), {p.x[0], p.x[1]});
+  const auto place = [&](const Vector<2>& x) { system.coordinates.insert(system.coordinates.end(), {x[0], x[1]}); };
+  for (const Index v : d.nodes) place(mesh.point(v));
+  if (d.sets) {
+    d.sets->number(system.rows.first + system.rows.nodes);
+    for (const Index v : d.sets->vertices()) place(mesh.point(v));
+  }
+  for (const pd::Particle& p : d.particles) place(p.x);
 }
 
 /// Behind a layer of held particles the body is meant to go on: its particles keep complete families, as the layer
@@ -85,20 +98,40 @@ void refuse_coarse_patches(const SceneOptions& options, const Discretisation& d)
                                   options.pd.spacing_of(p), h, p + 1));
 }
 
+/// A toughness tells when bonds break.
+void add_fracture(const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
+{
+  const FractureOptions& f = options.fracture;
+  if (!f.active()) return;
+  for (const auto& stencil : plan.stencils)
+    d.critical_stretch.push_back(
+        f.critical_stretch ? *f.critical_stretch
+                           : pd::critical_stretch<2>(
+                                 stencil, law::BondLaw<2>(options.pd.micromodulus, options.elastic, stencil.horizon),
+                                 *f.toughness, f.by));
+  d.bonds_at_start = d.bonds->bonds();
+  auto fracture = std::make_unique<couple::Fracture>(
+      *d.bonds, d.carried,
+      couple::FractureOptions{d.critical_stretch, f.no_fail, f.release, f.release_share, bond_kinematics(options)});
+  d.fracture = fracture.get();
+  d.system.after.push_back(std::move(fracture));
+}
+
 void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d,
                       bool assembled)
 {
   Index band = 0;
   for (const auto& stencil : plan.stencils) band = std::max(band, stencil.reach + pd::family_reach<2>(stencil));
-  d.around = couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows);
+  d.around = couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows, d.sets.get());
   refuse_coarse_patches(options, d);
   auto parts = make_parts(options, plan, d);
   const bool corrected = std::any_of(parts.begin(), parts.end(), [](const auto& part) { return part->corrected(); });
   const bool volume = options.pd.surface_correction == SurfaceCorrection::volume;
   const bool automatic = options.pd.surface_correction == SurfaceCorrection::automatic;
-  if (d.elements) {
-    auto carried = couple::carry_bonds(
-        d.system.rows, {options.scheme, bond_kinematics(options), volume || (automatic && corrected)}, parts, d.around);
+  if (d.elements || d.cut_elements) {
+    const couple::CouplingOptions coupling{options.scheme, bond_kinematics(options), volume || (automatic && corrected),
+                                           d.cracks.empty() ? nullptr : &d.cracks, options.fracture.no_fail};
+    auto carried = couple::carry_bonds(d.system.rows, coupling, parts, d.around);
     d.carried = carried.get();
     d.system.terms.push_back(std::move(carried));
     if (options.scheme != couple::Scheme::energy) d.ghosts = couple::count_ghosts(d.around, parts);
@@ -106,23 +139,36 @@ void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const
   auto bonds = std::make_unique<pd::BondTerm<2>>(std::move(parts), bond_kinematics(options), assembled);
   d.bonds = bonds.get();
   d.system.terms.push_back(std::move(bonds));
+  if (!d.cracks.empty()) d.bonds->cut(d.cracks);
+}
+
+void add_elements(const mesh::Mesh& mesh, const SceneOptions& options, Discretisation& d)
+{
+  if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::plain).empty())) {
+    auto elements = std::make_unique<fem::ElasticTerm>(mesh, options.elastic, element_kinematics(options), d.node_rows);
+    d.elements = elements.get();
+    d.system.terms.push_back(std::move(elements));
+  }
+  if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::cut).empty())) {
+    auto cut =
+        std::make_unique<xfem::EnrichedTerm>(mesh, options.elastic, element_kinematics(options), d.node_rows, *d.sets);
+    d.cut_elements = cut.get();
+    d.system.terms.push_back(std::move(cut));
+  }
 }
 } // namespace
 
-std::unique_ptr<Discretisation> discretise(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan,
+std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan,
                                            std::vector<pd::Particle> particles, bool assembled)
 {
   auto result = std::make_unique<Discretisation>();
   Discretisation& d = *result;
   d.particles = std::move(particles);
+  cut_cells(mesh, options, plan, d);
   number_rows(mesh, d);
   field::System& system = d.system;
   system.scale = options.elastic.young * options.elastic.thickness;
-  if (any_rank(mesh.comm(), !d.nodes.empty())) {
-    auto elements = std::make_unique<fem::ElasticTerm>(mesh, options.elastic, element_kinematics(options), d.node_rows);
-    d.elements = elements.get();
-    system.terms.push_back(std::move(elements));
-  }
+  add_elements(mesh, options, d);
   if (!plan.shapes.empty()) add_peridynamics(mesh, options, plan, d, assembled);
   apply_conditions(mesh, options, plan, d);
 
@@ -131,14 +177,25 @@ std::unique_ptr<Discretisation> discretise(const mesh::Mesh& mesh, const SceneOp
   d.node_field = std::make_unique<couple::NodeField>(mesh, d.node_rows, parts);
   system.bind(d.node_field->needed_rows());
   d.node_field->bind(*system.halo);
+  if (d.bonds) add_fracture(options, plan, d);
   if (assembled || !d.bonds) return result;
 
   std::vector<couple::ParticlePlace> places;
   for (std::size_t k = 0; k < d.particles.size(); ++k)
-    places.push_back({system.rows.first_particle() + static_cast<Index>(k), d.particles[k].cell, d.particles[k].x});
+    places.push_back({system.rows.first_particle() + static_cast<Index>(k), d.particles[k].cell, d.particles[k].patch,
+                      d.particles[k].site, d.particles[k].x});
+  couple::FineRows fine{d.nodes, d.node_rows, std::move(places), d.sets.get(), d.bonds->parts()};
+  fine.breakable = d.fracture || !d.cracks.empty();
   system.coarse = std::make_unique<couple::CoarseMesh>(
-      fem::ElasticBody{mesh, options.elastic, element_kinematics(options)}, *d.node_field, d.nodes, places, system);
+      fem::ElasticBody{mesh, options.elastic, element_kinematics(options)}, *d.node_field, std::move(fine), system);
   return result;
+}
+
+std::vector<double> Discretisation::energy_density(std::span<const double> local) const
+{
+  std::vector<double> density = bonds->energy_density(local);
+  if (carried) carried->add_energy_density(local, density);
+  return density;
 }
 
 std::vector<double> Discretisation::vertex_displacement(Vec u) const

@@ -1,5 +1,7 @@
 #include "pdx/app/output_blocks.hpp"
 
+#include "pdx/xfem/cut_output.hpp"
+
 #include "pdx/fem/stress_recovery.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 
@@ -53,7 +55,7 @@ field::OutputBlock mesh_block(const mesh::Mesh& mesh, const SceneOptions& option
   block.fields.push_back(displacement_field(displacement, owned));
   const auto kinematics = options.kinematics == Kinematics::finite ? fem::Kinematics::finite : fem::Kinematics::small;
   block.fields.push_back(stress_field(fem::nodal_stress({mesh, options.elastic, kinematics}, displacement)));
-  if (options.reference_fe)
+  if (options.post.reference_fe)
     block.fields.push_back({"relative_error_percent [%]", field::Rank::scalar, false, false, relative_percent});
   block.fields.push_back(std::move(use));
   block.fields.push_back(std::move(rank));
@@ -75,14 +77,17 @@ double kind_of(const Discretisation& d, const PatchPlan& plan, std::size_t k)
   return 0.0;
 }
 
-std::vector<double> energy_density(const Discretisation& d, std::span<const double> local)
+void add_damage(const SceneOptions& options, const Discretisation& d, field::OutputBlock& block)
 {
-  std::vector<double> density = d.bonds->energy_density(local);
-  if (d.carried) d.carried->add_energy_density(local, density);
-  return density;
+  couple::ParticleDamage damage = couple::particle_damage(d.system.rows, *d.bonds, d.carried);
+  for (std::size_t k = 0; options.post.precrack_as_damage && k < damage.damage.size(); ++k)
+    damage.damage[k] += damage.precrack[k];
+  block.fields.push_back({"damage [-]", field::Rank::scalar, false, false, std::move(damage.damage)});
+  block.fields.push_back({"precrack [-]", field::Rank::scalar, false, false, std::move(damage.precrack)});
 }
 
-field::OutputBlock particle_block(const PatchPlan& plan, const Discretisation& d, std::span<const double> local)
+field::OutputBlock particle_block(const SceneOptions& options, const PatchPlan& plan, const Discretisation& d,
+                                  std::span<const double> local)
 {
   field::OutputBlock block;
   block.name = "particles";
@@ -92,7 +97,7 @@ field::OutputBlock particle_block(const PatchPlan& plan, const Discretisation& d
   int rank = 0;
   MPI_Comm_rank(d.system.rows.comm, &rank);
   const auto begin = static_cast<std::size_t>(d.system.rows.first_particle());
-  const std::vector<double> density = energy_density(d, local);
+  const std::vector<double> density = d.energy_density(local);
   field::OutputField energy{"strain_energy_density [J/m^3]", field::Rank::scalar, false, false, {}};
   field::OutputField kind{"kind", field::Rank::scalar, false, true, {}},
       owner{"rank", field::Rank::scalar, false, true, {}}, patch{"patch", field::Rank::scalar, false, true, {}};
@@ -106,6 +111,7 @@ field::OutputBlock particle_block(const PatchPlan& plan, const Discretisation& d
     patch.values.push_back(particle.patch);
   }
   block.fields.push_back(displacement_field(local.subspan(2 * begin), d.particles.size()));
+  if (d.fracture || !d.cracks.empty()) add_damage(options, d, block);
   block.fields.push_back(std::move(energy));
   block.fields.push_back(std::move(kind));
   block.fields.push_back(std::move(owner));
@@ -122,7 +128,8 @@ std::vector<field::OutputBlock> output_blocks(const mesh::Mesh& mesh, const Scen
   d.system.halo->gather(u, local);
   std::vector<field::OutputBlock> blocks;
   blocks.push_back(mesh_block(mesh, options, d.node_field->displacement(local), relative_percent));
-  if (d.bonds) blocks.push_back(particle_block(plan, d, local));
+  if (d.cut_elements) blocks.push_back(xfem::cut_block(mesh, *d.sets, d.node_rows, *d.system.halo, local));
+  if (d.bonds) blocks.push_back(particle_block(options, plan, d, local));
   return blocks;
 }
 } // namespace pdx::app

@@ -1,6 +1,6 @@
 #include "pdx/app/patches.hpp"
 
-#include "pdx/mesh/locate.hpp"
+#include "pdx/mesh/sites.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -157,24 +157,9 @@ std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan
   for (const Index c : mesh.cells(mesh::Use::covered)) {
     if (c >= mesh.owned_cells()) continue;
     const auto& lattice = plan.shapes[static_cast<std::size_t>(mesh.patch(c))].lattice;
-    const auto corners = mesh.corners(c);
-    std::array<Index, 4> natural{};
-    for (std::size_t a = 0; a < 4; ++a) natural[a] = mesh.natural_vertex(mesh.cell(c)[a]);
-    const Vector<2> lower = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]).cwiseMin(corners[3]);
-    const Vector<2> upper = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]).cwiseMax(corners[3]);
-    Site<2> from{}, to{};
-    for (std::size_t d = 0; d < 2; ++d) {
-      const auto e = static_cast<Eigen::Index>(d);
-      from[d] = std::max(0, static_cast<Index>(std::floor((lower[e] - lattice.origin[e]) / lattice.dx - 0.51)));
-      to[d] = std::min(lattice.count[d] - 1,
-                       static_cast<Index>(std::ceil((upper[e] - lattice.origin[e]) / lattice.dx - 0.49)));
-    }
-    for (Site<2> site{0, from[1]}; site[1] <= to[1]; ++site[1])
-      for (site[0] = from[0]; site[0] <= to[0]; ++site[0]) {
-        const Vector<2> x = lattice.point(site);
-        if (mesh::cell_holds(corners, natural, x, 1e-9 * lattice.dx))
-          mine.push_back({mesh.patch(c), static_cast<Index>(lattice.number(site)), c, x});
-      }
+    mesh::for_each_site(mesh, c, lattice, 0, [&](const Site<2>& site, const Vector<2>& x) {
+      mine.push_back({mesh.patch(c), static_cast<Index>(lattice.number(site)), c, x});
+    });
   }
   std::int64_t total = static_cast<std::int64_t>(mine.size()), wanted = 0;
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, mesh.comm());

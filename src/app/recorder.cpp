@@ -1,9 +1,11 @@
 #include "pdx/app/recorder.hpp"
 
+#include "pdx/app/crack_results.hpp"
 #include "pdx/app/output_blocks.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/io/agree.hpp"
 
+#include <cmath>
 #include <fmt/format.h>
 
 namespace pdx::app {
@@ -14,31 +16,61 @@ Recorder::Recorder(MPI_Comm comm, const SceneOptions& options, double begin)
   io::create_directory(comm, options.output.directory);
 }
 
-void Recorder::built(const mesh::Mesh& mesh, const PatchPlan& plan, const Discretisation& d)
+void Recorder::built(mesh::Mesh& mesh, const PatchPlan& plan, const Discretisation& d)
 {
   mesh_ = &mesh;
   plan_ = &plan;
   d_ = &d;
-  std::int64_t counts[2] = {2 * static_cast<std::int64_t>(d.nodes.size()),
+  std::int64_t counts[3] = {2 * static_cast<std::int64_t>(d.nodes.size()),
+                            2 * static_cast<std::int64_t>(d.system.rows.enriched),
                             2 * static_cast<std::int64_t>(d.particles.size())};
-  MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, comm_);
+  MPI_Allreduce(MPI_IN_PLACE, counts, 3, MPI_INT64_T, MPI_SUM, comm_);
   summary_.unknowns.fe = counts[0];
-  summary_.unknowns.pd = counts[1];
+  summary_.unknowns.enriched = counts[1];
+  summary_.unknowns.pd = counts[2];
   summary_.unknowns.ghost = d.ghosts;
   summary_.partition.cut = mesh.quality().cut;
   summary_.partition.imbalance = mesh.quality().imbalance;
   summary_.partition.particles_per_rank = gather_all(comm_, std::vector<int>{static_cast<int>(d.particles.size())});
   progress_.line(fmt::format("{}: {} unknowns ({} of elements, {} of particles), partition cut {} imbalance {:.2f}",
-                             options_.case_name, counts[0] + counts[1], counts[0], counts[1], mesh.quality().cut,
-                             mesh.quality().imbalance));
+                             options_.case_name, counts[0] + counts[1] + counts[2], counts[0] + counts[1], counts[2],
+                             mesh.quality().cut, mesh.quality().imbalance));
+  report_cracks();
+  if (grows() || options_.output.history) ledger_ = std::make_unique<post::EnergyLedger>(d.system);
   if (options_.output.fields) fields_ = std::make_unique<io::FieldsFile>(comm_, options_.output.directory);
   if (options_.output.history) open_history();
+}
+
+void Recorder::report_cracks()
+{
+  if (!d_->sets) return;
+  const xfem::CutReport& report = d_->sets->report();
+  auto& results = summary_.results;
+  results["cut_elements"] = report.cells;
+  results["enriched_sets"] = report.sets;
+  results["enriched_sets_dropped"] = report.dropped;
+  if (report.dropped > 0)
+    progress_.line(fmt::format("{} nodes of cut elements have no enriched row: less than {:g} of their support lies on "
+                               "one side",
+                               report.dropped, options_.cracks.rule.share()));
+  for (const Vector<2>& tip : report.closed)
+    warn(fmt::format("the crack tip at ({:g}, {:g}) ends in elements and closes at the last element edge before it: "
+                     "put a patch there for a true tip",
+                     tip[0], tip[1]));
 }
 
 void Recorder::open_history()
 {
   std::vector<io::Column> columns{
-      {"step", "-"}, {"load", "-"}, {"energy_elements", "J"}, {"energy_bonds", "J"}, {"energy_interface", "J"}};
+      {"step", "-"}, {"load", "-"}, {"energy_elements", "J"}, {"energy_bonds", "J"}, {"energy_interface", "J"},
+      {"work", "J"}};
+  if (grows())
+    columns.insert(columns.end(), {{"energy_fracture", "J"},
+                                   {"passes", "-"},
+                                   {"bonds_broken", "-"},
+                                   {"crack_length", "m"},
+                                   {"crack_first_intact", "m"},
+                                   {"crack_farthest_broken", "m"}});
   for (const HeldPart& part : d_->held_parts) {
     columns.push_back({"reaction_" + part.name + "_x", "N"});
     columns.push_back({"reaction_" + part.name + "_y", "N"});
@@ -53,60 +85,87 @@ void Recorder::started()
   summary_.memory_mb["before_solve"] = io::resident_memory_mb();
 }
 
-std::vector<double> Recorder::energies(Vec u) const
+/// Energies, work and reactions at an accepted load.
+void Recorder::take_stock(const solve::Step& step, Vec u, const solve::StaticDriver& driver)
 {
-  std::vector<double> local, sums(3, 0.0);
+  std::vector<double> local, force = driver.unbalanced_force(u, step.load); // reactions where held
   d_->system.halo->gather(u, local);
-  if (d_->elements) sums[0] = d_->elements->energy(local);
-  if (d_->bonds) sums[1] = d_->bonds->energy(local);
-  if (d_->carried) sums[2] = d_->carried->energy(local);
-  MPI_Allreduce(MPI_IN_PLACE, sums.data(), 3, MPI_DOUBLE, MPI_SUM, comm_);
-  return sums;
+  post::Energies mine;
+  if (d_->elements) mine.elements += d_->elements->energy(local);
+  if (d_->cut_elements) mine.elements += d_->cut_elements->energy(local);
+  if (d_->bonds) mine.bonds = d_->bonds->energy(local);
+  if (d_->carried) mine.interface = d_->carried->energy(local);
+  int rank = 0;
+  MPI_Comm_rank(comm_, &rank);
+  if (grows() && rank == 0) mine.dissipated = d_->fracture->dissipated();
+
+  reactions_.now.assign(2 * d_->held_parts.size(), 0.0);
+  for (std::size_t p = 0; p < d_->held_parts.size(); ++p)
+    for (const Index k : d_->held_parts[p].components)
+      if (k / 2 < d_->system.rows.nodes || k / 2 >= d_->system.rows.first_particle()) // forces of sets are none
+        reactions_.now[2 * p + static_cast<std::size_t>(k % 2)] += force[static_cast<std::size_t>(k)];
+  MPI_Allreduce(MPI_IN_PLACE, reactions_.now.data(), static_cast<int>(reactions_.now.size()), MPI_DOUBLE, MPI_SUM,
+                comm_);
+  reactions_.peak.resize(reactions_.now.size(), 0.0);
+  reactions_.peak_load.resize(reactions_.now.size(), 0.0);
+  for (std::size_t k = 0; k < reactions_.now.size(); ++k)
+    if (std::abs(reactions_.now[k]) > std::abs(reactions_.peak[k])) {
+      reactions_.peak[k] = reactions_.now[k];
+      reactions_.peak_load[k] = step.load;
+    }
+  for (std::size_t k = 0; k < force.size(); ++k) force[k] += step.load * d_->system.load[k]; // internal force
+  ledger_->accept(step.load, local, force, mine);
 }
 
-std::vector<double> Recorder::reactions(Vec u, const solve::StaticDriver& driver, double load) const
+void Recorder::write_history(const solve::Step& step)
 {
-  const std::vector<double> force = driver.unbalanced_force(u, load);
-  std::vector<double> sums;
-  for (const HeldPart& part : d_->held_parts) {
-    sums.resize(sums.size() + 2, 0.0);
-    for (const Index k : part.components)
-      sums[sums.size() - 2 + static_cast<std::size_t>(k % 2)] += force[static_cast<std::size_t>(k)];
+  const post::EnergyBalance& balance = ledger_->balance();
+  std::vector<double> row{static_cast<double>(step.number), step.load,
+                          balance.energies.elements,        balance.energies.bonds,
+                          balance.energies.interface,       balance.work};
+  if (grows()) {
+    const CrackState crack = crack_state(*d_);
+    const double first = d_->cracks.empty() ? 0.0 : d_->cracks.length(0);
+    const bool tip = !crack.first_intact.empty();
+    row.insert(row.end(),
+               {balance.energies.dissipated, static_cast<double>(step.passes),
+                static_cast<double>(d_->fracture->broken()), crack.length, tip ? first + crack.first_intact[0] : first,
+                tip ? first + crack.farthest_broken[0] : first});
   }
-  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, comm_);
-  return sums;
-}
-
-void Recorder::write_history(int step, Vec u, const solve::StaticDriver& driver)
-{
-  const double load = static_cast<double>(step) / options_.load_steps;
-  std::vector<double> row{static_cast<double>(step), load};
-  for (const double energy : energies(u)) row.push_back(energy);
-  for (const double reaction : reactions(u, driver, load)) row.push_back(reaction);
+  row.insert(row.end(), reactions_.now.begin(), reactions_.now.end());
   history_->row(row);
 }
 
-void Recorder::accept(int step, Vec u, const solve::StaticDriver& driver, const std::vector<double>& reference)
+void Recorder::write_fields(const solve::Step& step, Vec u, const post::DisplacementError* error)
 {
-  const double begin = MPI_Wtime();
-  const bool last = step == options_.load_steps;
-  std::optional<post::DisplacementError> error;
-  if (!reference.empty() && last) error = post::compare_displacement(*mesh_, d_->vertex_displacement(u), reference);
-  if (history_) write_history(step, u, driver);
-  if (fields_) {
-    std::vector<double> relative(static_cast<std::size_t>(mesh_->owned_vertices()), 0.0);
-    if (error) relative = error->relative_percent;
-    fields_->write(static_cast<double>(step) / options_.load_steps,
-                   output_blocks(*mesh_, options_, *plan_, *d_, u, relative));
-  }
-  if (last) write_results(u, driver, error ? &*error : nullptr);
-  summary_.wall_seconds.output += MPI_Wtime() - begin;
-  summary_.steps = step;
-  progress_.step(step, options_.load_steps,
-                 fmt::format("{} linear iterations so far", driver.report().linear_iterations));
+  std::vector<double> relative(static_cast<std::size_t>(mesh_->owned_vertices()), 0.0);
+  if (error) relative = error->relative_percent;
+  fields_->write(step.load, output_blocks(*mesh_, options_, *plan_, *d_, u, relative));
 }
 
-void Recorder::write_results(Vec u, const solve::StaticDriver& driver, const post::DisplacementError* error)
+void Recorder::accept(const solve::Step& step, Vec u, const solve::StaticDriver& driver, const Prior& prior)
+{
+  const double begin = MPI_Wtime();
+  const bool last = step.load == 1.0;
+  std::optional<post::DisplacementError> error;
+  if (!prior.reference.empty() && last)
+    error = post::compare_displacement(*mesh_, d_->vertex_displacement(u), prior.reference);
+  if (last && !ledger_) ledger_ = std::make_unique<post::EnergyLedger>(d_->system);
+  if (ledger_) take_stock(step, u, driver);
+  if (history_) write_history(step);
+  if (fields_ && (last || step.number % options_.output.interval == 0))
+    write_fields(step, u, error ? &*error : nullptr);
+  if (grows()) summary_.bonds_broken = d_->fracture->broken();
+  if (last || grows()) write_results(u, last ? prior : Prior{}, error ? &*error : nullptr);
+  summary_.wall_seconds.output += MPI_Wtime() - begin;
+  summary_.steps = step.number;
+  std::string text = fmt::format("{} linear iterations so far", driver.report().linear_iterations);
+  if (grows()) text = fmt::format("{} passes, {} bonds broken, {}", step.passes, d_->fracture->broken(), text);
+  if (driver.report().halvings > 0) text = fmt::format("load {:.6g}, {}", step.load, text);
+  progress_.step(static_cast<int>(step.load * options_.load.steps + 1e-9), options_.load.steps, text);
+}
+
+void Recorder::write_results(Vec u, const Prior& prior, const post::DisplacementError* error)
 {
   auto& results = summary_.results;
   if (error) {
@@ -115,17 +174,35 @@ void Recorder::write_results(Vec u, const solve::StaticDriver& driver, const pos
     results["vector_l2_error_percent"] = error->vector_l2_percent;
     results["vector_max_error_percent"] = error->vector_max_percent;
   }
-  const std::vector<double> energy = energies(u);
-  results["strain_energy"] = energy[0] + energy[1] + energy[2];
-  results["strain_energy_elements"] = energy[0];
-  results["strain_energy_bonds"] = energy[1];
-  results["strain_energy_interface"] = energy[2];
-  const std::vector<double> reaction = reactions(u, driver, 1.0);
-  for (std::size_t k = 0; k < d_->held_parts.size(); ++k)
-    results["reaction"][d_->held_parts[k].name] = {reaction[2 * k], reaction[2 * k + 1]};
+  const post::EnergyBalance& balance = ledger_->balance();
+  results["strain_energy"] = balance.energies.elastic();
+  results["strain_energy_elements"] = balance.energies.elements;
+  results["strain_energy_bonds"] = balance.energies.bonds;
+  results["strain_energy_interface"] = balance.energies.interface;
+  results["external_work"] = balance.work;
+  if (grows()) {
+    results["fracture_energy"] = balance.energies.dissipated;
+    results["energy_balance_error"] = balance.error();
+    results["critical_stretch"] = d_->critical_stretch;
+  }
+  for (std::size_t k = 0; k < d_->held_parts.size(); ++k) {
+    const std::string& name = d_->held_parts[k].name;
+    const double t = options_.elastic.thickness;
+    results["reaction"][name] = {reactions_.now[2 * k], reactions_.now[2 * k + 1]};
+    if (!grows()) continue;
+    results["peak_reaction"][name] = {reactions_.peak[2 * k], reactions_.peak[2 * k + 1]};
+    results["peak_reaction_per_thickness"][name] = {reactions_.peak[2 * k] / t, reactions_.peak[2 * k + 1] / t};
+    results["peak_reaction_load"][name] = {reactions_.peak_load[2 * k], reactions_.peak_load[2 * k + 1]};
+  }
   PetscReal largest = 0.0;
   PDX_CALL(VecNorm(u, NORM_INFINITY, &largest));
   results["max_displacement_component"] = largest;
+  if (d_->cracks.empty() && !options_.post.any_j()) return;
+  std::vector<double> local;
+  d_->system.halo->gather(u, local);
+  nlohmann::json cracks = nlohmann::json::object();
+  add_crack_results({*mesh_, options_, *plan_, *d_, local}, prior.energy_release, cracks);
+  for (const auto& [key, value] : cracks.items()) results[key] = value;
 }
 
 void Recorder::count(const solve::StaticReport& report)
@@ -135,6 +212,11 @@ void Recorder::count(const solve::StaticReport& report)
   summary_.linear_iterations = report.linear_iterations;
   summary_.jacobian_assemblies = report.jacobian_assemblies;
   summary_.factorizations = report.preconditioner_builds;
+  auto& results = summary_.results;
+  results["load_steps_accepted"] = report.steps;
+  results["passes"] = report.passes;
+  results["halvings"] = report.halvings;
+  results["particles_held"] = report.held_rows;
 }
 
 void Recorder::finish(const solve::StaticReport& report)

@@ -1,5 +1,6 @@
 #include "pdx/app/run.hpp"
 
+#include "pdx/app/crack_results.hpp"
 #include "pdx/app/discretisation.hpp"
 #include "pdx/app/output_blocks.hpp"
 #include "pdx/app/recorder.hpp"
@@ -8,6 +9,8 @@
 #include "pdx/post/error_norm.hpp"
 #include "pdx/solve/static_driver.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace pdx::app {
@@ -27,18 +30,36 @@ bool wants_assembled(const SceneOptions& options)
                   type));
 }
 
+solve::StaticOptions steps_of(const SceneOptions& options, const Discretisation& d, bool assembled)
+{
+  solve::StaticOptions steps;
+  steps.load_steps = options.load.steps;
+  steps.assembled = assembled;
+  steps.max_passes = options.load.passes;
+  steps.max_halvings = options.load.halvings;
+  if (d.fracture)
+    steps.max_changes =
+        std::max<std::int64_t>(1, std::llround(options.load.broken_share * static_cast<double>(d.bonds_at_start)));
+  return steps;
+}
+
 /// The elements-only solution of the same scene at every local vertex, for Eq. 28.
-std::vector<double> reference_displacement(const mesh::Mesh& mesh, const SceneOptions& options)
+std::vector<double> reference_displacement(mesh::Mesh& mesh, const SceneOptions& options)
 {
   const PauseCounts pause;
-  const auto d = discretise(mesh, options, {}, {}, true);
-  solve::StaticDriver driver(d->system, {options.load_steps, true});
+  SceneOptions unbroken = options;
+  unbroken.fracture = {};
+  PatchPlan whole;
+  whole.body = options.mesh.box;
+  const auto d = discretise(mesh, unbroken, whole, {}, true);
+  solve::StaticDriver driver(d->system, steps_of(unbroken, *d, true));
   const VecHandle u = d->system.rows.vector();
   try {
-    driver.run(u.get(), [](int, Vec) {});
+    driver.run(u.get(), [](const solve::Step&, Vec) {});
   } catch (const SolverFailure& failure) {
     throw SolverFailure(fmt::format("the elements-only reference (-post_reference_fe): {}", failure.what()));
   }
+  mesh.uncover();
   return d->vertex_displacement(u.get());
 }
 
@@ -61,7 +82,7 @@ std::string unused_options()
 
 void refuse_reference_options(const SceneOptions& options)
 {
-  if (options.reference_fe && !options.pd.any())
+  if (options.post.reference_fe && !options.pd.any())
     throw UserError("-post_reference_fe compares with the same scene without patches, but there are none: drop it");
 }
 } // namespace
@@ -76,11 +97,11 @@ void run(MPI_Comm comm, double begin)
     mesh::MeshOptions mesh_options = options.mesh;
     const PatchPlan plan = plan_patches(options, mesh_options);
     mesh::Mesh mesh = mesh::build(comm, mesh_options, cell_cost(plan));
-    std::vector<double> reference;
-    if (options.reference_fe) {
+    Prior prior;
+    if (options.post.reference_fe) {
       cover_cells(mesh, plan, mesh_options); // refuses a wrong patch before the reference is paid for
       mesh.uncover();
-      reference = reference_displacement(mesh, options);
+      prior.reference = reference_displacement(mesh, options);
     }
     std::unique_ptr<pd::Particles> swarm;
     std::vector<pd::Particle> particles;
@@ -89,13 +110,18 @@ void run(MPI_Comm comm, double begin)
       swarm = std::make_unique<pd::Particles>(comm);
       particles = make_particles(mesh, plan, *swarm);
     }
+    if (options.post.energy_release) {
+      const PauseCounts pause;
+      prior.energy_release = energy_release(mesh, options, plan, particles, assembled);
+      cover_cells(mesh, plan, mesh_options);
+    }
     const auto d = discretise(mesh, options, plan, std::move(particles), assembled);
     recorder.built(mesh, plan, *d);
-    solve::StaticDriver driver(d->system, {options.load_steps, assembled});
+    solve::StaticDriver driver(d->system, steps_of(options, *d, assembled));
     const VecHandle u = d->system.rows.vector();
     recorder.started();
     try {
-      driver.run(u.get(), [&](int step, Vec state) { recorder.accept(step, state, driver, reference); });
+      driver.run(u.get(), [&](const solve::Step& step, Vec state) { recorder.accept(step, state, driver, prior); });
     } catch (const SolverFailure&) {
       recorder.count(driver.report());
       throw;

@@ -194,6 +194,8 @@ OutputOptions read_output(const std::string& case_name)
   OutputOptions output;
   output.directory = o.text("-output_dir", "out/" + case_name, "directory for all files");
   output.fields = o.boolean("-output_fields", false, "write fields.h5 and fields.xdmf for ParaView");
+  output.interval =
+      o.integer("-output_interval", 1, "accepted steps between fields; the last step is always written", {1.0, 1e9});
   output.history = o.boolean("-output_history", false, "write history.csv, a row per accepted step");
   output.quiet = o.boolean("-quiet", false, "no progress");
   return output;
@@ -209,9 +211,15 @@ void judge(const SceneOptions& s)
         "-pd_patches all makes its own background mesh: give -mesh_lower and -mesh_upper instead of -mesh_file");
   if (!s.pd.everywhere && s.mesh.file.empty() && s.mesh.cells[0] == 0)
     throw UserError("-mesh_cells is missing: give the number of cells nx,ny of the box, or a -mesh_file");
-  if (s.reference_fe && layered)
+  if (s.post.reference_fe && layered)
     throw UserError(
         "-post_reference_fe cannot stand beside -bc_..._layer: the reference has no material outside the body");
+  if (s.fracture.active() && !s.pd.any())
+    throw UserError("-material_toughness breaks bonds, but there are no particles: give -pd_patches");
+  if (!s.post.j_contours.empty() && !s.pd.any())
+    throw UserError("-post_j_contours lie in a patch, but there is none: give -post_j_domain for elements");
+  if (s.post.any_j() && s.cracks.lines.empty() && !s.post.j_centre)
+    throw UserError("-post_j_... needs a crack: give -crack_names, or -post_j_centre");
   if (std::none_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.holds(); }))
     throw UserError("the body is not held anywhere: give a -bc_NAME_displacement");
 }
@@ -226,7 +234,6 @@ SceneOptions SceneOptions::read(bool describe)
   s.case_name = o.text("-case", "case", "name of the case");
   s.kinematics = static_cast<Kinematics>(
       o.choice("-kinematics", 0, kinematics, "linear; finite strain; the papers' finite bonds with linear elements"));
-  s.load_steps = o.integer("-load_steps", 1, "equal steps up to the full load", {1.0, 1e9});
   try {
     s.mesh = mesh::MeshOptions::read();
   } catch (const UserError&) {
@@ -237,9 +244,11 @@ SceneOptions SceneOptions::read(bool describe)
   if (!describe && s.pd.any()) s.elastic.poisson = law::required_poisson(2, s.elastic.plane); // one value for all
   s.scheme = static_cast<couple::Scheme>(
       Options("couple").choice("-couple_scheme", 0, schemes, "how bonds that leave a patch act on elements"));
+  s.cracks = CrackOptions::read();
+  s.fracture = FractureOptions::read();
   s.conditions = read_conditions(describe);
-  s.reference_fe =
-      Options("post").boolean("-post_reference_fe", false, "also solve with elements only and report errors (Eq. 28)");
+  s.load = LoadOptions::read();
+  s.post = PostOptions::read();
   s.output = read_output(s.case_name);
   if (describe) return s;
   refuse_unknown_options();

@@ -25,7 +25,8 @@ struct Draft {
   PetscInt row = -1; // global row of the particle, -1 while unknown
   Host a, b, force_a, force_b;
   Vector<2> xi;
-  double kappa = 0.0, energy_share = 0.0;
+  double kappa = 0.0, energy_share = 0.0, volume = 0.0;
+  bool cut = false, no_fail = false;
 };
 
 /// Writes the drafts of one patch, in order of sites.
@@ -118,7 +119,9 @@ private:
         draft.kappa = arm.kappa * surface_factor(site, other);
         draft.xi = sign * arm.xi;
         draft.energy_share = arm.length / part_.stencil().volume();
+        draft.volume = arm.volume_share * part_.stencil().volume();
         if (!place_far_end(draft, x, other)) continue;
+        judge(draft, x, draft.xi, {x, lattice.point(other)});
         if (row >= 0 || mine(draft.b) || mine(draft.force_b)) drafts_.push_back(draft);
       }
   }
@@ -129,7 +132,7 @@ private:
     std::optional<Host> edge;
     if (options_.scheme != Scheme::ghost) {
       const auto part = geom::clip<2>(x, x + draft.xi, around_.shape().box);
-      edge = around_.edge_host(x + part->leave * draft.xi, -draft.xi);
+      edge = around_.edge_host(x + part->leave * draft.xi, -part->leave * draft.xi);
       if (!edge) return false;
       if (options_.scheme == Scheme::energy) draft.xi *= part->leave;
     }
@@ -149,8 +152,9 @@ private:
       if (!bonded(other)) continue;
       const auto part = geom::clip<2>(x, x + arm.xi, around_.shape().box);
       if (!part || (part->leave - part->enter) * arm.length < kShortest * lattice.dx) continue;
-      const auto enter = around_.edge_host(x + part->enter * arm.xi, arm.xi);
-      const auto leave = around_.edge_host(x + part->leave * arm.xi, -arm.xi);
+      const Vector<2> begin = x + part->enter * arm.xi, half = 0.5 * (part->leave - part->enter) * arm.xi;
+      const auto enter = around_.edge_host(begin, half);
+      const auto leave = around_.edge_host(x + part->leave * arm.xi, -half);
       if (!enter || !leave) continue;
       Draft draft;
       draft.kappa = arm.kappa * surface_factor(site, other);
@@ -159,10 +163,19 @@ private:
       const bool energy = options_.scheme == Scheme::energy;
       draft.a = energy ? *enter : around_.element_host(site);
       draft.b = energy ? *leave : around_.element_host(other);
-      draft.xi = energy ? Vector<2>((part->leave - part->enter) * arm.xi) : arm.xi;
+      draft.xi = energy ? Vector<2>(2.0 * half) : arm.xi;
+      judge(draft, energy ? begin : x, draft.xi, {x, lattice.point(other)});
       // Rows of `a` count the energy.
       if (mine(draft.force_a) || mine(draft.force_b) || mine(draft.a)) drafts_.push_back(draft);
     }
+  }
+
+  /// Is the part of the bond that acts cut by a crack, and may it break?
+  void judge(Draft& draft, const Vector<2>& begin, const Vector<2>& acts, const std::array<Vector<2>, 2>& ends) const
+  {
+    draft.cut = options_.cracks && options_.cracks->cuts(begin, begin + acts);
+    for (const geom::Box<2>& box : options_.no_fail)
+      for (const Vector<2>& end : ends) draft.no_fail = draft.no_fail || box.contains(end);
   }
 
   const field::Rows& rows_;
@@ -219,8 +232,12 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
       bond.xi = draft.xi;
       bond.kappa = draft.kappa;
       bond.energy_share = draft.energy_share;
+      bond.volume = draft.volume;
+      bond.cut = draft.cut;
+      bond.no_fail = draft.no_fail;
+      bond.patch = static_cast<int>(p);
       if (draft.site >= 0) {
-        if (draft.row != last_row) last_point = points.add({{draft.row, -1, -1, -1}, {1.0, 0.0, 0.0, 0.0}, 1});
+        if (draft.row != last_row) last_point = points.add(Host::of_row(draft.row));
         last_row = draft.row;
         bond.a = bond.force_a = last_point;
       } else {

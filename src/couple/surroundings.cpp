@@ -2,6 +2,7 @@
 
 #include "pdx/base/gather.hpp"
 #include "pdx/mesh/locate.hpp"
+#include "pdx/mesh/sites.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,52 +28,94 @@ int side_of(const PatchShape& shape, const Vector<2>& a, const Vector<2>& b)
 struct Interval {
   double begin, end;
 };
+} // namespace
 
-/// The linear trace of the edges at s itself.
-template <class Edges> Host point_trace(const Edges& edges, double s)
+Host Host::of_row(PetscInt row)
 {
-  auto edge = std::upper_bound(edges.begin(), edges.end(), s, [](double v, const auto& e) { return v < e.begin; });
-  if (edge != edges.begin()) --edge;
-  const double t = std::clamp((s - edge->begin) / (edge->end - edge->begin), 0.0, 1.0);
-  return {{edge->rows[0], edge->rows[1], -1, -1}, {1.0 - t, t, 0.0, 0.0}, 2};
-}
-
-/// The mean of the trace over the lattice cell along the side that holds s, continued to s with the mean slope. It is
-/// the trace itself where no node lies inside the cell, exact for linear displacement everywhere, and hands the forces
-/// of a uniform lattice to the nodes exactly as a uniform traction would, whatever the ratio of element to spacing:
-/// over one point per cell, means add up to the integral and slopes to the difference of the ends.
-/// Nothing where the edges do not fill the cell or more than four nodes take part.
-template <class Edges> std::optional<Host> averaged_trace(const Edges& edges, double s, const Interval& cell)
-{
-  const double dx = cell.end - cell.begin, offset = (s - 0.5 * (cell.begin + cell.end)) / dx;
-  const double tiny = kOnSide * dx;
   Host host;
-  double filled = 0.0;
-  const auto add = [&](PetscInt row, double weight) {
-    std::size_t k = 0;
-    while (k < static_cast<std::size_t>(host.count) && host.rows[k] != row) ++k;
-    if (k == host.rows.size()) return false;
-    if (k == static_cast<std::size_t>(host.count)) host.rows[static_cast<std::size_t>(host.count++)] = row;
-    host.weights[k] += weight;
-    return true;
-  };
-  auto edge = std::upper_bound(edges.begin(), edges.end(), cell.begin + tiny,
-                               [](double v, const auto& e) { return v < e.begin; });
-  if (edge != edges.begin()) --edge;
-  for (; edge != edges.end() && edge->begin < cell.end - tiny; ++edge) {
-    const double from = std::max(edge->begin, cell.begin), to = std::min(edge->end, cell.end);
-    if (to - from < tiny) continue;
-    const auto t = [&](double at) { return (at - edge->begin) / (edge->end - edge->begin); };
-    // Mean over the part in this edge, and rise over it; the rises of all parts add up to the slope times dx.
-    const double share = (to - from) / dx, middle = t(0.5 * (from + to)), rise = t(to) - t(from);
-    if (!add(edge->rows[0], share * (1.0 - middle) - offset * rise)) return std::nullopt;
-    if (!add(edge->rows[1], share * middle + offset * rise)) return std::nullopt;
-    filled += share;
-  }
-  if (std::abs(filled - 1.0) > 1e-6) return std::nullopt;
+  (void)host.add(row, 1.0);
   return host;
 }
-} // namespace
+
+bool Host::add(PetscInt row, double weight)
+{
+  std::size_t k = 0;
+  while (k < static_cast<std::size_t>(count) && rows[k] != row) ++k;
+  if (k == rows.size()) return false;
+  if (k == static_cast<std::size_t>(count)) rows[static_cast<std::size_t>(count++)] = row;
+  weights[k] += weight;
+  return true;
+}
+
+/// The displacement of mesh edges at the border of a patch, as seen from a point `from` of the patch: where a crack
+/// cuts the element behind, that of the side on which `from` lies.
+struct Surroundings::Trace {
+  const std::vector<Edge>& edges;
+  const crack::CrackSet* cracks;
+  Vector<2> from; // [m]
+
+  bool add(Host& host, const Edge& edge, std::size_t end, double weight) const
+  {
+    if (!host.add(edge.rows[end], weight)) return false;
+    if (edge.sets[end] < 0) return true;
+    const xfem::Side side = edge.snapped ? xfem::side_of(edge.snapped) : xfem::side_of(cracks->side(edge.crack, from));
+    const double factor = xfem::shifted_step(side, edge.node_side[end]);
+    return factor == 0.0 || host.add(edge.sets[end], weight * factor);
+  }
+
+  const Edge* edge_at(double s) const
+  {
+    auto edge = std::upper_bound(edges.begin(), edges.end(), s, [](double v, const auto& e) { return v < e.begin; });
+    if (edge != edges.begin()) --edge;
+    return &*edge;
+  }
+
+  /// The linear trace at s itself.
+  Host at(double s) const
+  {
+    const Edge* edge = edge_at(s);
+    const double t = std::clamp((s - edge->begin) / (edge->end - edge->begin), 0.0, 1.0);
+    Host host;
+    (void)add(host, *edge, 0, 1.0 - t);
+    (void)add(host, *edge, 1, t);
+    return host;
+  }
+
+  /// The mean of the trace over the lattice cell along the side that holds s, continued to s with the mean slope. It is
+  /// the trace itself where no node lies inside the cell, exact for linear displacement everywhere, and hands the
+  /// forces of a uniform lattice to the nodes exactly as a uniform traction would, whatever the ratio of element to
+  /// spacing: over one point per cell, means add up to the integral and slopes to the difference of the ends.
+  /// Nothing where the edges do not fill the cell, more than four nodes take part, or a part of it lies across a crack.
+  std::optional<Host> mean_over(const Interval& cell, double s, Eigen::Index along) const
+  {
+    const double dx = cell.end - cell.begin, offset = (s - 0.5 * (cell.begin + cell.end)) / dx;
+    const double tiny = kOnSide * dx;
+    Host host;
+    double filled = 0.0;
+    std::vector<std::pair<const Edge*, double>> parts; // with their middles
+    const Edge* const last = edges.data() + edges.size();
+    for (const Edge* edge = edge_at(cell.begin + tiny); edge != last && edge->begin < cell.end - tiny; ++edge) {
+      const double begin = std::max(edge->begin, cell.begin), end = std::min(edge->end, cell.end);
+      if (end - begin < tiny) continue;
+      const auto t = [&](double place) { return (place - edge->begin) / (edge->end - edge->begin); };
+      // Mean over the part in this edge, and rise over it; the rises of all parts add up to the slope times dx.
+      const double share = (end - begin) / dx, middle = t(0.5 * (begin + end)), rise = t(end) - t(begin);
+      if (!add(host, *edge, 0, share * (1.0 - middle) - offset * rise)) return std::nullopt;
+      if (!add(host, *edge, 1, share * middle + offset * rise)) return std::nullopt;
+      parts.emplace_back(edge, 0.5 * (begin + end));
+      filled += share;
+    }
+    if (std::abs(filled - 1.0) > 1e-6) return std::nullopt;
+    for (const auto& [cut, ignored] : parts)
+      for (const auto& [whole, place] : parts) {
+        if (cut->crack < 0 || whole->crack == cut->crack) continue;
+        Vector<2> x = from;
+        x[along] = place;
+        if (cracks->side(cut->crack, x) != cracks->side(cut->crack, from)) return std::nullopt;
+      }
+    return host;
+  }
+};
 
 Surroundings::Surroundings(PatchShape shape, Index band) : shape_(std::move(shape)), band_(band)
 {
@@ -127,8 +170,9 @@ std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>&
     const double towards = inward[1 - d] > near ? near : inward[1 - d] < -near ? -near : 0.0;
     const auto cells = shape_.lattice.count[static_cast<std::size_t>(1 - d)];
     const double cell = std::clamp(std::floor((s + towards - start) / dx), 0.0, cells - 1.0);
-    const auto host = averaged_trace(sides_[side], s, {start + cell * dx, start + (cell + 1.0) * dx});
-    return host ? host : point_trace(sides_[side], s);
+    const Trace trace{sides_[side], cracks_, x + inward};
+    const auto host = trace.mean_over({start + cell * dx, start + (cell + 1.0) * dx}, s, 1 - d);
+    return host ? host : trace.at(s);
   }
   return std::nullopt;
 }
@@ -162,86 +206,98 @@ std::optional<geom::Box<2>> Surroundings::edges_of_rows(PetscInt first, PetscInt
   return box;
 }
 
-void Surroundings::find_outside(const mesh::Mesh& mesh, std::span<const Surroundings> patches,
-                                std::span<const PetscInt> node_rows, std::vector<OutsideRecord>& found)
+Host Surroundings::host_in_cell(const Scene& scene, Index cell, const Vector<2>& x)
 {
-  for (Index c = 0; c < mesh.owned_cells(); ++c) {
-    const auto corners = mesh.corners(c);
-    const Vector<2> lower = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]).cwiseMin(corners[3]);
-    const Vector<2> upper = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]).cwiseMax(corners[3]);
+  const auto weights = mesh::bilinear_weights(scene.mesh.corners(cell), x);
+  const xfem::CutElement* cut = scene.sets ? scene.sets->cut(cell) : nullptr;
+  Host host;
+  for (std::size_t a = 0; a < 4; ++a) {
+    (void)host.add(scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cell)[a])], weights[a]);
+    const double factor = cut ? xfem::set_factor(*cut, a, scene.sets->side_in(*cut, x)) : 0.0;
+    if (factor != 0.0) (void)host.add(cut->sets[a], factor * weights[a]);
+  }
+  return host;
+}
+
+void Surroundings::find_outside(const Scene& scene, std::span<const Surroundings> patches,
+                                std::vector<OutsideRecord>& found)
+{
+  const mesh::Mesh& mesh = scene.mesh;
+  for (Index c = 0; c < mesh.owned_cells(); ++c)
     for (std::size_t p = 0; p < patches.size(); ++p) {
       if (mesh.patch(c) == static_cast<int>(p)) continue;
       const auto& lattice = patches[p].shape_.lattice;
-      const Index band = patches[p].band_;
-      Site<2> from{}, to{};
-      for (std::size_t d = 0; d < 2; ++d) {
-        const auto e = static_cast<Eigen::Index>(d);
-        from[d] = std::max(-band, static_cast<Index>(std::floor((lower[e] - lattice.origin[e]) / lattice.dx - 0.51)));
-        to[d] = std::min(lattice.count[d] + band - 1,
-                         static_cast<Index>(std::ceil((upper[e] - lattice.origin[e]) / lattice.dx - 0.49)));
-      }
-      std::array<Index, 4> natural{};
-      for (std::size_t a = 0; a < 4; ++a) natural[a] = mesh.natural_vertex(mesh.cell(c)[a]);
-      for (Site<2> site{0, from[1]}; site[1] <= to[1]; ++site[1])
-        for (site[0] = from[0]; site[0] <= to[0]; ++site[0]) {
-          if (lattice.contains(site)) continue;
-          const Vector<2> x = lattice.point(site);
-          if (!mesh::cell_holds(corners, natural, x, 1e-9 * lattice.dx)) continue;
-          OutsideRecord record{static_cast<int>(p), site, {}};
-          if (mesh.use(c) == mesh::Use::plain) {
-            record.host.weights = mesh::bilinear_weights(corners, x);
-            record.host.count = 4;
-            for (std::size_t a = 0; a < 4; ++a)
-              record.host.rows[a] = node_rows[static_cast<std::size_t>(mesh.cell(c)[a])];
-          }
-          found.push_back(record);
-        }
+      mesh::for_each_site(mesh, c, lattice, patches[p].band_, [&](const Site<2>& site, const Vector<2>& x) {
+        if (lattice.contains(site)) return;
+        const bool element = mesh.use(c) != mesh::Use::covered;
+        found.push_back({static_cast<int>(p), site, element ? host_in_cell(scene, c, x) : Host{}});
+      });
     }
-  }
 }
 
-void Surroundings::find_edges(const mesh::Mesh& mesh, std::span<const Surroundings> patches,
-                              std::span<const PetscInt> node_rows, std::vector<EdgeRecord>& found)
+Surroundings::Edge Surroundings::edge_of(const Scene& scene, Index behind, std::array<Index, 2> vertices,
+                                         Eigen::Index along)
 {
+  const mesh::Mesh& mesh = scene.mesh;
+  if (mesh.point(vertices[0])[along] > mesh.point(vertices[1])[along]) std::swap(vertices[0], vertices[1]);
+  Edge edge{};
+  edge.begin = mesh.point(vertices[0])[along];
+  edge.end = mesh.point(vertices[1])[along];
+  edge.crack = -1;
+  const xfem::CutElement* cut = scene.sets ? scene.sets->cut(behind) : nullptr;
+  if (cut) {
+    edge.crack = cut->crack;
+    edge.snapped = cut->snapped ? (*cut->snapped == xfem::Side::plus ? 1 : -1) : 0;
+  }
+  for (std::size_t end = 0; end < 2; ++end) {
+    edge.rows[end] = scene.node_rows[static_cast<std::size_t>(vertices[end])];
+    edge.sets[end] = -1;
+    for (std::size_t a = 0; cut && a < 4; ++a)
+      if (mesh.cell(behind)[a] == vertices[end]) {
+        edge.sets[end] = cut->sets[a];
+        edge.node_side[end] = cut->element.side[a];
+      }
+  }
+  return edge;
+}
+
+void Surroundings::find_edges(const Scene& scene, std::span<const Surroundings> patches, std::vector<EdgeRecord>& found)
+{
+  const mesh::Mesh& mesh = scene.mesh;
   const auto key = [](Index a, Index b) {
     return static_cast<std::int64_t>(std::min(a, b)) << 32 | static_cast<std::int64_t>(std::max(a, b));
   };
-  std::unordered_map<std::int64_t, int> behind; // edge -> patch of the neighbour, -1 for elements
+  std::unordered_map<std::int64_t, Index> behind; // edge -> element on the other side, -1 for none
   const auto covered = mesh.cells(mesh::Use::covered);
   for (const Index c : covered)
-    for (std::size_t a = 0; a < 4; ++a) behind[key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])] = -2;
+    for (std::size_t a = 0; a < 4; ++a) behind[key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])] = -1;
   for (Index c = 0; c < mesh.cells(); ++c)
-    for (std::size_t a = 0; a < 4 && mesh.use(c) == mesh::Use::plain; ++a)
+    for (std::size_t a = 0; a < 4 && mesh.use(c) != mesh::Use::covered; ++a)
       if (const auto edge = behind.find(key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])); edge != behind.end())
-        edge->second = -1;
+        edge->second = c;
   for (const Index c : covered) {
     if (c >= mesh.owned_cells()) continue;
     for (std::size_t a = 0; a < 4; ++a) {
-      Index v = mesh.cell(c)[a], w = mesh.cell(c)[(a + 1) % 4];
-      if (behind.at(key(v, w)) != -1) continue;
+      const Index v = mesh.cell(c)[a], w = mesh.cell(c)[(a + 1) % 4], element = behind.at(key(v, w));
+      if (element < 0) continue;
       const auto p = static_cast<std::size_t>(mesh.patch(c));
       const int side = side_of(patches[p].shape_, mesh.point(v), mesh.point(w));
-      if (side < 0) continue;
-      const Eigen::Index along = 1 - side / 2;
-      if (mesh.point(v)[along] > mesh.point(w)[along]) std::swap(v, w);
-      found.push_back({static_cast<int>(p),
-                       side,
-                       {mesh.point(v)[along],
-                        mesh.point(w)[along],
-                        {node_rows[static_cast<std::size_t>(v)], node_rows[static_cast<std::size_t>(w)]}}});
+      if (side >= 0) found.push_back({static_cast<int>(p), side, edge_of(scene, element, {v, w}, 1 - side / 2)});
     }
   }
 }
 
 std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span<const PatchShape> patches, Index band,
-                                               std::span<const PetscInt> node_rows)
+                                               std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets)
 {
   std::vector<Surroundings> all;
   for (const PatchShape& shape : patches) all.push_back(Surroundings(shape, band));
+  for (Surroundings& around : all) around.cracks_ = sets ? &sets->cracks() : nullptr;
   std::vector<OutsideRecord> outside;
   std::vector<EdgeRecord> edges;
-  find_outside(mesh, all, node_rows, outside);
-  find_edges(mesh, all, node_rows, edges);
+  const Scene scene{mesh, node_rows, sets};
+  find_outside(scene, all, outside);
+  find_edges(scene, all, edges);
   for (const OutsideRecord& record : gather_all(mesh.comm(), outside)) {
     Surroundings& around = all[static_cast<std::size_t>(record.patch)];
     around.hosts_.push_back(record.host);

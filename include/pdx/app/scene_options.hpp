@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/app/fracture_options.hpp"
 #include "pdx/base/options.hpp"
 #include "pdx/couple/schemes.hpp"
 #include "pdx/law/elastic.hpp"
@@ -43,6 +44,7 @@ struct PdOptions {
 struct OutputOptions {
   std::string directory;
   bool fields = false, history = false, quiet = false;
+  int interval = 1; ///< accepted steps from one set of fields to the next; the last is always written
 };
 
 /// All that a user may say about a scene; read once, judged once, refused not mended.
@@ -53,9 +55,11 @@ struct SceneOptions {
   Kinematics kinematics = Kinematics::small;
   PdOptions pd;
   couple::Scheme scheme = couple::Scheme::energy;
+  CrackOptions cracks;
+  FractureOptions fracture;
   std::vector<BoundaryCondition> conditions;
-  int load_steps = 1;
-  bool reference_fe = false;
+  LoadOptions load;
+  PostOptions post;
   OutputOptions output;
 
   /// Throws UserError, alike on every rank. With `describe` nothing is judged: for -help.

@@ -13,7 +13,9 @@ template <int Dim> struct CarriedBond {
   double kappa = 0.0;             ///< force per unit stretch                             [N]
   double energy_share = 0.0;      ///< whole bond length over particle volume where a is a particle, else 0 [1/m^2]
   double volume = 0.0;            ///< beta V of the outer end where a is a particle, else 0 [m^3]
+  int patch = 0;                  ///< whose stencil the bond is of
   bool cut = false;               ///< by a crack from the start: it carries nothing, but counts in the whole family
+  bool no_fail = false;           ///< it never breaks
 };
 
 /// The bonds that do not join two particles of a patch: springs of the coupling schemes, all with the bond force law.

@@ -2,6 +2,7 @@
 #include "pdx/geom/box.hpp"
 #include "pdx/geom/lattice.hpp"
 #include "pdx/mesh/mesh.hpp"
+#include "pdx/xfem/enriched_sets.hpp"
 
 #include <optional>
 
@@ -12,11 +13,15 @@ struct PatchShape {
   geom::Lattice<2> lattice;
 };
 
-/// A point carried by at most four rows: displacement = sum of weight times row.
+/// A point carried by rows: displacement = sum of weight times row. Nodes of an element or of the edges at the border
+/// of a patch, and the enriched sets of those on the other side of a crack [XPD1 Eq. 14].
 struct Host {
-  std::array<PetscInt, 4> rows{-1, -1, -1, -1}; ///< global rows
-  std::array<double, 4> weights{};              ///< sum to 1
+  std::array<PetscInt, 8> rows{-1, -1, -1, -1, -1, -1, -1, -1}; ///< global rows
+  std::array<double, 8> weights{};                              ///< those of nodes sum to 1
   int count = 0;
+
+  static Host of_row(PetscInt row);      ///< a row itself
+  bool add(PetscInt row, double weight); ///< false if there is no room for another row
 };
 
 /// What lies around one patch, the same on every rank: the mesh edges of its interface and the lattice sites outside
@@ -24,9 +29,9 @@ struct Host {
 class Surroundings {
 public:
   /// Surveys all patches at once. `band` = sites outside a patch that are looked at. Collective.
-  /// Throws UserError if two patches touch.
+  /// @param sets the mesh's enriched sets, numbered, or nullptr without cracks; must outlive the result
   static std::vector<Surroundings> survey(const mesh::Mesh& mesh, std::span<const PatchShape> patches, Index band,
-                                          std::span<const PetscInt> node_rows);
+                                          std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets);
 
   const PatchShape& shape() const { return shape_; }
   Index band() const { return band_; }
@@ -41,7 +46,8 @@ public:
   const Host& element_host(const Site<2>& site) const;
   /// What carries the point x in which a bond meets the border of the patch: the nodes of the mesh edges there. Where
   /// lattice cells and edges do not match, the trace of the edges is averaged over the lattice cell along the side.
-  /// `inward` points along the bond into the patch. Empty where no elements lie behind.
+  /// `inward` goes along the bond into the patch; where a crack enters it, x moves with the side on which x + inward
+  /// lies. Empty where no elements lie behind.
   std::optional<Host> edge_host(const Vector<2>& x, const Vector<2>& inward) const;
   /// Length of the shortest interface edge, infinite if there is none [m].
   double shortest_edge() const;
@@ -50,9 +56,14 @@ public:
 
 private:
   struct Edge {
-    double begin, end;            // along the side [m]
-    std::array<PetscInt, 2> rows; // at begin and end
+    double begin, end;                     // along the side [m]
+    std::array<PetscInt, 2> rows;          // at begin and end
+    int crack = -1;                        // that cuts the element behind
+    std::array<PetscInt, 2> sets{-1, -1};  // enriched sets at begin and end
+    std::array<xfem::Side, 2> node_side{}; // of begin and end
+    int snapped = 0;                       // +-1: the element moves with that side as a whole
   };
+  struct Trace;
   struct OutsideRecord {
     int patch;
     Site<2> site;
@@ -65,10 +76,16 @@ private:
   explicit Surroundings(PatchShape shape, Index band);
   std::size_t position(const Site<2>& site) const;
   bool in_band(const Site<2>& site) const;
-  static void find_outside(const mesh::Mesh&, std::span<const Surroundings>, std::span<const PetscInt> node_rows,
-                           std::vector<OutsideRecord>&);
-  static void find_edges(const mesh::Mesh&, std::span<const Surroundings>, std::span<const PetscInt> node_rows,
-                         std::vector<EdgeRecord>&);
+  /// What a survey looks at.
+  struct Scene {
+    const mesh::Mesh& mesh;
+    std::span<const PetscInt> node_rows;
+    const xfem::EnrichedSets* sets;
+  };
+  static Host host_in_cell(const Scene& scene, Index cell, const Vector<2>& x);
+  static Edge edge_of(const Scene& scene, Index behind, std::array<Index, 2> vertices, Eigen::Index along);
+  static void find_outside(const Scene&, std::span<const Surroundings>, std::vector<OutsideRecord>&);
+  static void find_edges(const Scene&, std::span<const Surroundings>, std::vector<EdgeRecord>&);
 
   PatchShape shape_;
   Index band_;
@@ -76,5 +93,6 @@ private:
   std::vector<Index> where_; // per site of lattice and band: entry of hosts_ + 1, 0 = nothing there
   std::vector<Host> hosts_;
   std::array<std::vector<Edge>, 4> sides_; // left, right, bottom, top; ascending
+  const crack::CrackSet* cracks_ = nullptr;
 };
 } // namespace pdx::couple

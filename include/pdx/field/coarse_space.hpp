@@ -19,6 +19,9 @@ public:
   /// Coarse operator (MATAIJ) at fine displacement u, prescribed components eliminated. Collective.
   /// @param u fine local blocks [owned | halo]
   virtual MatHandle assemble(std::span<const double> u) = 0;
+  /// Looks at the scene again where it may have changed (bonds that broke). True if rows, interpolation or halo are
+  /// new: operators and interpolations made before are then void. Collective.
+  virtual bool rebuild() { return false; }
   /// Coordinates of the owned coarse rows, dim per row [m]: for rigid-body modes.
   virtual std::vector<double> coordinates() const = 0;
 };

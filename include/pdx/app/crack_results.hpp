@@ -1,0 +1,32 @@
+#pragma once
+#include "pdx/app/discretisation.hpp"
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace pdx::app {
+/// A scene in equilibrium. All that is pointed to must outlive it.
+struct Solved {
+  mesh::Mesh& mesh;
+  const SceneOptions& options;
+  const PatchPlan& plan;
+  const Discretisation& d;
+  std::span<const double> u; ///< local blocks [owned | halo] [m]
+};
+
+/// Where each crack's tips are now, from the bonds that broke ahead of them.
+struct CrackState {
+  std::vector<double> first_intact, farthest_broken; ///< of each tip, from where it was, along its direction [m]
+  double length = 0.0;                               ///< of all cracks, grown parts up to the farthest broken bond [m]
+};
+/// Collective.
+CrackState crack_state(const Discretisation& d);
+
+/// -dPi/da of each tip, the crack's end moved forth and back by a spacing of the patch it lies in, else by an element:
+/// two solves of the whole load path each [J/m^2]. Leaves the mesh plain. Collective.
+std::vector<double> energy_release(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan,
+                                   std::span<const pd::Particle> particles, bool assembled);
+
+/// Adds J on contours and over elements, the stress intensity and the tips to the results. Collective.
+/// @param release of `energy_release`, empty if nobody asked
+void add_crack_results(const Solved& solved, std::span<const double> release, nlohmann::json& results);
+} // namespace pdx::app

@@ -1,0 +1,185 @@
+#include "pdx/app/crack_results.hpp"
+
+#include "pdx/law/fracture.hpp"
+#include "pdx/post/crack_growth.hpp"
+#include "pdx/post/domain_j.hpp"
+#include "pdx/post/nonlocal_j.hpp"
+#include "pdx/solve/static_driver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace pdx::app {
+namespace {
+pd::Kinematics bond_kinematics(const SceneOptions& options)
+{
+  return options.kinematics == Kinematics::small ? pd::Kinematics::linear : pd::Kinematics::finite;
+}
+
+std::optional<std::size_t> patch_at(const PatchPlan& plan, const Vector<2>& x)
+{
+  for (std::size_t p = 0; p < plan.shapes.size(); ++p)
+    if (plan.shapes[p].box.contains(x)) return p;
+  return std::nullopt;
+}
+
+/// The places J is asked for: where the user says, else the tips.
+std::vector<crack::Tip> centres(const Solved& s)
+{
+  const std::span<const crack::Tip> tips = s.d.cracks.tips();
+  if (!s.options.post.j_centre) return {tips.begin(), tips.end()};
+  crack::Tip centre;
+  const auto distance = [&](const crack::Tip& tip) { return (tip.at - *s.options.post.j_centre).norm(); };
+  if (!tips.empty()) centre = *std::ranges::min_element(tips, {}, distance);
+  centre.at = *s.options.post.j_centre;
+  return {centre};
+}
+
+nlohmann::json contour_results(const Solved& s, const crack::Tip& tip, std::span<const double> density)
+{
+  const auto patch = patch_at(s.plan, tip.at);
+  if (!patch) return {};
+  const pd::LatticePart<2>& part = *s.d.bonds->parts()[*patch];
+  std::vector<post::SquareContour> contours;
+  for (const double side : s.options.post.j_contours) contours.push_back({tip.at, side});
+  const post::PatchState state{s.mesh.comm(), part,    bond_kinematics(s.options),
+                               s.u,           density, s.d.carried ? part.stencil().reach : 1};
+  nlohmann::json list = nlohmann::json::array();
+  for (const post::ContourJ& contour : post::nonlocal_j(state, tip.direction, contours))
+    list.push_back({contour.side, contour.j});
+  return list;
+}
+
+/// Corner values of either side of a cut element.
+void parts_of(const Solved& s, const xfem::CutElement& cut, std::vector<post::PartOfCell>& parts)
+{
+  const field::RowHalo& halo = *s.d.system.halo;
+  const auto value = [&](PetscInt row) {
+    const auto at = 2 * static_cast<std::size_t>(halo.local(row));
+    return Vector<2>(s.u[at], s.u[at + 1]);
+  };
+  for (const xfem::Side side : xfem::kSides) {
+    post::PartOfCell part{cut.element.cell.points(side), fem::ElementVector::Zero()};
+    for (std::size_t a = 0; a < 4; ++a) {
+      Vector<2> corner = value(s.d.node_rows[static_cast<std::size_t>(s.mesh.cell(cut.cell)[a])]);
+      if (const double factor = xfem::set_factor(cut, a, side); factor != 0.0) corner += factor * value(cut.sets[a]);
+      part.corner_values.segment<2>(static_cast<Eigen::Index>(2 * a)) = corner;
+    }
+    parts.push_back(part);
+  }
+}
+
+double domain_result(const Solved& s, const crack::Tip& tip)
+{
+  const auto kinematics = s.options.kinematics == Kinematics::finite ? fem::Kinematics::finite : fem::Kinematics::small;
+  const auto parts = [&](Index cell, std::vector<post::PartOfCell>& into) { parts_of(s, *s.d.sets->cut(cell), into); };
+  return post::domain_j({s.mesh, s.options.elastic, kinematics}, tip,
+                        {(*s.options.post.j_domain)[0], (*s.options.post.j_domain)[1]},
+                        s.d.node_field->displacement(s.u), parts);
+}
+
+/// Strain energy less work of the loads at full load.
+double potential(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan,
+                 std::span<const pd::Particle> particles, bool assembled)
+{
+  mesh.uncover();
+  cover_cells(mesh, plan, options.mesh);
+  const auto d = discretise(mesh, options, plan, {particles.begin(), particles.end()}, assembled);
+  solve::StaticOptions steps;
+  steps.load_steps = options.load.steps;
+  steps.assembled = assembled;
+  solve::StaticDriver driver(d->system, steps);
+  const VecHandle u = d->system.rows.vector();
+  driver.run(u.get(), [](const solve::Step&, Vec) {});
+  std::vector<double> local;
+  d->system.halo->gather(u.get(), local);
+  double energy = 0.0;
+  for (const auto& term : d->system.terms) energy += term->energy(local);
+  for (std::size_t k = 0; k < d->system.load.size(); ++k) energy -= d->system.load[k] * local[k];
+  MPI_Allreduce(MPI_IN_PLACE, &energy, 1, MPI_DOUBLE, MPI_SUM, mesh.comm());
+  return energy;
+}
+} // namespace
+
+CrackState crack_state(const Discretisation& d)
+{
+  CrackState state;
+  const std::size_t tips = d.cracks.tips().size();
+  state.first_intact.assign(tips, 0.0);
+  state.farthest_broken.assign(tips, 0.0);
+  for (int k = 0; k < d.cracks.size(); ++k) state.length += d.cracks.length(k);
+  if (!d.bonds) return state;
+  for (const post::TipGrowth& growth : post::crack_growth(d.system.rows.comm, d.bonds->parts(), d.cracks)) {
+    state.first_intact[growth.tip] = growth.first_intact;
+    state.farthest_broken[growth.tip] = growth.farthest_broken;
+    state.length += growth.farthest_broken;
+  }
+  return state;
+}
+
+std::vector<double> energy_release(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan,
+                                   std::span<const pd::Particle> particles, bool assembled)
+{
+  if (options.fracture.active())
+    throw UserError(
+        "-post_energy_release moves the given tips, but with a toughness they move by themselves: drop one");
+  const crack::CrackSet cracks(options.cracks.lines, options.mesh.file.empty() ? plan.body : mesh.bounds());
+  const double element = std::sqrt(mesh.bounds().size().prod() / mesh.global_cells());
+  std::vector<double> rates;
+  for (const crack::Tip& tip : cracks.tips()) {
+    const auto patch = patch_at(plan, tip.at);
+    const double step = patch ? plan.shapes[*patch].lattice.dx : element;
+    double change = 0.0;
+    for (const double sign : {1.0, -1.0}) {
+      SceneOptions moved = options;
+      crack::Polyline& line = moved.cracks.lines[static_cast<std::size_t>(tip.crack)];
+      (tip.last ? line.back() : line.front()) += sign * step * tip.direction;
+      change += sign * potential(mesh, moved, plan, particles, assembled);
+    }
+    rates.push_back(-change / (2.0 * step * options.elastic.thickness));
+  }
+  mesh.uncover();
+  return rates;
+}
+
+void add_crack_results(const Solved& s, std::span<const double> release, nlohmann::json& results)
+{
+  const CrackState state = crack_state(s.d);
+  nlohmann::json tips = nlohmann::json::array();
+  const std::span<const crack::Tip> given = s.d.cracks.tips();
+  for (std::size_t t = 0; t < given.size(); ++t) {
+    const Vector<2> at = given[t].at + state.farthest_broken[t] * given[t].direction;
+    results["crack_tips"].push_back({at[0], at[1]});
+    nlohmann::json tip{{"start", {given[t].at[0], given[t].at[1]}}, {"farthest_broken", state.farthest_broken[t]}};
+    if (std::isfinite(state.first_intact[t])) tip["first_intact"] = state.first_intact[t];
+    if (t < release.size()) tip["energy_release_rate"] = release[t];
+    tips.push_back(tip);
+  }
+  if (!s.d.cracks.empty()) results["crack_length"] = state.length;
+  if (!release.empty()) results["energy_release_rate"] = release.front();
+
+  std::vector<double> density;
+  if (s.d.bonds && !s.options.post.j_contours.empty()) density = s.d.energy_density(s.u);
+  const std::vector<crack::Tip> places = centres(s);
+  for (std::size_t t = 0; t < places.size(); ++t) {
+    nlohmann::json contours = density.empty() ? nlohmann::json() : contour_results(s, places[t], density);
+    if (!contours.empty() && t == 0) {
+      const double middle = contours[contours.size() / 2][1];
+      results["j_by_contour"] = contours;
+      results["j_integral"] = middle;
+      results["stress_intensity"] = law::stress_intensity(middle, s.options.elastic);
+    }
+    if (!contours.empty() && t < tips.size()) tips[t]["j_by_contour"] = contours;
+    if (!s.options.post.j_domain) continue;
+    const double j = domain_result(s, places[t]);
+    if (t < tips.size()) tips[t]["j_domain"] = j;
+    if (t == 0) {
+      results["j_domain"] = j;
+      if (!results.contains("j_integral")) results["stress_intensity"] = law::stress_intensity(j, s.options.elastic);
+    }
+  }
+  if (!tips.empty()) results["tips"] = tips;
+}
+} // namespace pdx::app

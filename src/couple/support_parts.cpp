@@ -1,0 +1,188 @@
+#include "pdx/couple/support_parts.hpp"
+
+#include "pdx/mesh/sites.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+namespace pdx::couple {
+namespace {
+constexpr double kLeastPart = 0.05; // of the weight around a vertex
+
+bool has_bit(const std::array<std::uint64_t, 2>& words, std::size_t arm) { return words[arm / 64] >> arm % 64 & 1u; }
+
+Site<2> moved(Site<2> site, const Site<2>& step, Index times)
+{
+  site[0] += times * step[0];
+  site[1] += times * step[1];
+  return site;
+}
+
+/// Sets of numbers that are joined one by one.
+class Joined {
+public:
+  explicit Joined(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+  std::size_t root(std::size_t k)
+  {
+    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
+    return k;
+  }
+  void join(std::size_t a, std::size_t b)
+  {
+    a = root(a);
+    b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+private:
+  std::vector<std::size_t> parent_;
+};
+} // namespace
+
+SupportParts::SupportParts(const mesh::Mesh& mesh, const field::Rows& rows,
+                           std::span<const std::unique_ptr<pd::LatticePart<2>>> parts, std::span<const Index> cells)
+    : parts_(parts), offsets_(static_cast<std::size_t>(mesh.cells()) + 1, 0), patches_(parts.size()),
+      damaged_(static_cast<std::size_t>(mesh.cells()), 0)
+{
+  std::vector<std::vector<Index>> sites(parts.size());
+  auto next = cells.begin();
+  for (Index c = 0; c < mesh.cells(); ++c) {
+    if (next != cells.end() && *next == c) {
+      const int patch = mesh.patch(c);
+      const auto& lattice = parts[static_cast<std::size_t>(patch)]->lattice();
+      mesh::for_each_site(mesh, c, lattice, 0, [&](const Site<2>& site, const Vector<2>& x) {
+        particles_.push_back({patch, c, static_cast<Index>(lattice.number(site)), x});
+        sites[static_cast<std::size_t>(patch)].push_back(particles_.back().site);
+      });
+      ++next;
+    }
+    offsets_[static_cast<std::size_t>(c) + 1] = particles_.size();
+  }
+  std::vector<std::vector<PetscInt>> found;
+  for (std::size_t p = 0; p < parts.size(); ++p) found.push_back(parts[p]->directory().rows(sites[p]));
+  std::vector<std::size_t> at(parts.size(), 0);
+  std::vector<PetscInt> global;
+  for (const CellParticle& particle : particles_) {
+    const auto p = static_cast<std::size_t>(particle.patch);
+    global.push_back(found[p][at[p]++]);
+  }
+  halo_ = std::make_unique<field::RowHalo>(rows, global);
+  for (const PetscInt row : global) rows_.push_back(halo_->local(row));
+  place_.assign(particles_.size(), -1);
+
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    Patch& patch = patches_[p];
+    if (sites[p].empty()) continue;
+    Site<2> upper = patch.lower = parts[p]->lattice().site(sites[p].front());
+    for (const Index number : sites[p])
+      for (std::size_t d = 0; d < 2; ++d) {
+        patch.lower[d] = std::min(patch.lower[d], parts[p]->lattice().site(number)[d]);
+        upper[d] = std::max(upper[d], parts[p]->lattice().site(number)[d]);
+      }
+    for (std::size_t d = 0; d < 2; ++d) patch.extent[d] = upper[d] - patch.lower[d] + 1;
+    patch.number.assign(static_cast<std::size_t>(patch.extent[0]) * static_cast<std::size_t>(patch.extent[1]), 0);
+  }
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    Patch& patch = patches_[static_cast<std::size_t>(particles_[k].patch)];
+    const Site<2> site = parts[static_cast<std::size_t>(particles_[k].patch)]->lattice().site(particles_[k].site);
+    patch.number[static_cast<std::size_t>((site[1] - patch.lower[1]) * patch.extent[0] + site[0] - patch.lower[0])] =
+        static_cast<Index>(k) + 1;
+  }
+}
+
+std::pair<std::size_t, std::size_t> SupportParts::in_cell(Index cell) const
+{
+  return {offsets_[static_cast<std::size_t>(cell)], offsets_[static_cast<std::size_t>(cell) + 1]};
+}
+
+Index SupportParts::find(int number, const Site<2>& site) const
+{
+  const Patch& patch = patches_[static_cast<std::size_t>(number)];
+  for (std::size_t d = 0; d < 2; ++d)
+    if (site[d] < patch.lower[d] || site[d] >= patch.lower[d] + patch.extent[d]) return -1;
+  return patch.number[static_cast<std::size_t>((site[1] - patch.lower[1]) * patch.extent[0] + site[0] -
+                                               patch.lower[0])] -
+         1;
+}
+
+void SupportParts::update()
+{
+  const field::Rows& rows = halo_->rows();
+  std::vector<double> owned(2 * static_cast<std::size_t>(rows.owned()), 0.0), all; // bit patterns that travel
+  for (const auto& part : parts_)
+    for (Index k = 0; k < static_cast<Index>(part->sites().size()); ++k) {
+      const auto words = part->words_of(k);
+      const auto at = 2 * static_cast<std::size_t>(part->first_row() + k);
+      for (std::size_t plane = 0; plane < 2; ++plane) owned[at + plane] = std::bit_cast<double>(words[plane]);
+    }
+  halo_->fetch(owned, 2, all);
+  words_.resize(particles_.size());
+  for (std::size_t k = 0; k < particles_.size(); ++k)
+    for (std::size_t plane = 0; plane < 2; ++plane)
+      words_[k][plane] = std::bit_cast<std::uint64_t>(all[2 * static_cast<std::size_t>(rows_[k]) + plane]);
+
+  std::vector<Index> lost(particles_.size(), 0);
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    const auto& part = *parts_[static_cast<std::size_t>(particles_[k].patch)];
+    const auto& lattice = part.lattice();
+    const auto& half = part.stencil().half;
+    const int bits = std::popcount(words_[k][0]) + std::popcount(words_[k][1]);
+    if (bits == static_cast<int>(half.size())) continue;
+    const Site<2> site = lattice.site(particles_[k].site);
+    for (std::size_t h = 0; h < half.size(); ++h) {
+      if (has_bit(words_[k], h)) continue;
+      const Site<2> other = moved(site, half[h].step, 1);
+      if (!lattice.contains(other)) continue;
+      ++lost[k];
+      if (const Index j = find(particles_[k].patch, other); j >= 0) ++lost[static_cast<std::size_t>(j)];
+    }
+  }
+  std::fill(damaged_.begin(), damaged_.end(), std::uint8_t{0});
+  health_.assign(particles_.size(), 1.0);
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    if (lost[k] == 0) continue;
+    const auto& half = parts_[static_cast<std::size_t>(particles_[k].patch)]->stencil().half;
+    health_[k] = 1.0 - static_cast<double>(lost[k]) / static_cast<double>(2 * half.size());
+    damaged_[static_cast<std::size_t>(particles_[k].cell)] = 1;
+  }
+}
+
+std::vector<PartOfVertex> SupportParts::split(std::span<const Index> cells,
+                                              const std::function<double(const CellParticle&)>& weight) const
+{
+  std::vector<PartOfVertex> here;
+  for (const Index c : cells)
+    for (auto [k, end] = in_cell(c); k < end; ++k) {
+      place_[k] = static_cast<Index>(here.size());
+      here.push_back({k, PartOfVertex::kNone});
+    }
+  Joined joined(here.size());
+  for (std::size_t n = 0; n < here.size(); ++n) {
+    const CellParticle& particle = particles_[here[n].particle];
+    const auto& part = *parts_[static_cast<std::size_t>(particle.patch)];
+    const Site<2> site = part.lattice().site(particle.site);
+    for (std::size_t h = 0; h < part.stencil().half.size(); ++h) {
+      if (!has_bit(words_[here[n].particle], h)) continue;
+      const Index other = find(particle.patch, moved(site, part.stencil().half[h].step, 1));
+      if (other >= 0 && place_[static_cast<std::size_t>(other)] >= 0)
+        joined.join(n, static_cast<std::size_t>(place_[static_cast<std::size_t>(other)]));
+    }
+  }
+  for (const PartOfVertex& p : here) place_[p.particle] = -1;
+
+  std::vector<double> weights(here.size(), 0.0); // by root
+  double total = 0.0;
+  for (std::size_t n = 0; n < here.size(); ++n) {
+    const double w = weight(particles_[here[n].particle]);
+    weights[joined.root(n)] += w;
+    total += w;
+  }
+  int count = 0;
+  for (std::size_t n = 0; n < here.size(); ++n) // a root comes before all others of its part
+    here[n].part = joined.root(n) != n                ? here[joined.root(n)].part
+                   : weights[n] >= kLeastPart * total ? count++
+                                                      : PartOfVertex::kNone;
+  return here;
+}
+} // namespace pdx::couple

@@ -1,0 +1,141 @@
+#include "support/cracked.hpp"
+
+#include <gtest/gtest.h>
+
+namespace pdx::test {
+namespace {
+app::SceneOptions cut_plate(const crack::Polyline& line, std::array<Index, 2> cells = {9, 7})
+{
+  app::SceneOptions options = held_plate(cells);
+  options.cracks.lines = {line};
+  return options;
+}
+
+/// Uniaxial stress along the crack leaves its faces free, whatever its size on either side.
+Field stretched_along(double angle, double strain, const Vector<2>& shift)
+{
+  const Vector<2> t(std::cos(angle), std::sin(angle)), n(-t.y(), t.x());
+  const Tensor<2> gradient = strain * (t * t.transpose() - 1.0 / 3.0 * n * n.transpose()); // nu = 1/3
+  return [gradient, shift](const Vector<2>& x) -> Vector<2> { return gradient * x + shift; };
+}
+
+struct Cut {
+  Vector<2> point;
+  double angle;
+};
+
+std::vector<Cut> random_cuts(std::size_t count)
+{
+  std::mt19937 random(20261122);
+  std::uniform_real_distribution<double> place(0.1, 0.9), angle(0.0, 3.14159265358979);
+  std::vector<Cut> cuts;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double x = place(random), y = place(random);
+    cuts.push_back({{x, y}, angle(random)});
+  }
+  return cuts;
+}
+
+double largest(Scene& scene, std::span<const double> values)
+{
+  double most = 0.0;
+  for (const double v : values) most = std::max(most, std::abs(v));
+  return scene.max(most);
+}
+
+TEST(CutPlate, HalvesMoveRigidlyWithoutForceAtTwoHundredRandomCuts)
+{
+  for (const Cut& cut : random_cuts(200)) {
+    Scene scene(cut_plate(through_crack(cut.point, cut.angle)));
+    const std::vector<double> u = sided_blocks(scene, {rigid(0.3, -0.2, 0.5), rigid(-0.1, 0.4, -0.7)});
+    const double stiffness = plane_stress().young * plane_stress().thickness; // force of a strain of 1 over the body
+    EXPECT_LT(largest(scene, scene.internal_force(u)), 1e-10 * stiffness)
+        << cut.point.transpose() << " at " << cut.angle;
+  }
+}
+
+TEST(CutPlate, ConstantStrainOnEitherSideIsExact)
+{
+  int tested = 0;
+  for (const Cut& cut : random_cuts(40)) {
+    Scene scene(cut_plate(through_crack(cut.point, cut.angle)), true);
+    const SidedField field{stretched_along(cut.angle, 0.01, {0.02, 0.03}),
+                           stretched_along(cut.angle, -0.02, {0.0, 0.01})};
+    prescribe_sided(scene, field);
+    const VecHandle u = scene.solve();
+    const bool moved = scene.d().sets->report().dropped > 0; // a sliver went to the other side
+    tested += !moved;
+    EXPECT_LT(sided_error(scene, u.get(), field), moved ? 1e-3 : 1e-9) << cut.point.transpose() << " at " << cut.angle;
+  }
+  EXPECT_GT(tested, 30);
+}
+
+TEST(CutPlate, GridQuadratureMovesHalvesRigidlyToo)
+{
+  for (const Cut& cut : random_cuts(10)) {
+    app::SceneOptions options = cut_plate(through_crack(cut.point, cut.angle));
+    options.cracks.rule.quadrature = xfem::Quadrature::grid;
+    Scene scene(options);
+    const std::vector<double> u = sided_blocks(scene, {rigid(0.3, -0.2, 0.5), rigid(-0.1, 0.4, -0.7)});
+    EXPECT_LT(largest(scene, scene.internal_force(u)), 1e-10 * 1.5);
+  }
+}
+
+/// A crack that comes nearer and nearer to a node, at a slant, through a patch or not: never more iterations.
+TEST(CutPlate, IterationsStayBoundedAsTheCrackNearsANode)
+{
+  const double h = 1.0 / 8.0;
+  std::vector<int> iterations;
+  for (int power = 1; power <= 14; ++power) {
+    const Vector<2> near(0.5, 0.5 + h * std::pow(10.0, -power));
+    Scene scene(cut_plate(through_crack(near, 0.3), {8, 8}), true);
+    const SidedField field{rigid(0.3, -0.2, 0.5), rigid(-0.1, 0.4, -0.7)};
+    prescribe_sided(scene, field);
+    const VecHandle u = scene.solve();
+    EXPECT_LT(sided_error(scene, u.get(), field), 1e-8);
+    iterations.push_back(scene.report().linear_iterations);
+  }
+  EXPECT_LT(*std::max_element(iterations.begin(), iterations.end()), 60);
+}
+
+app::SceneOptions cut_patch(const Cut& cut, couple::Scheme scheme, double dx)
+{
+  app::SceneOptions options = cut_plate(through_crack(cut.point, cut.angle), {10, 10});
+  options.scheme = scheme;
+  return with_patch(options, {{0.3, 0.3}, {0.7, 0.7}}, dx);
+}
+
+TEST(CutPatch, HalvesMoveRigidlyWithoutForceWhereTheCrackRunsThroughAPatch)
+{
+  for (const couple::Scheme scheme : {couple::Scheme::energy, couple::Scheme::ghost, couple::Scheme::interface})
+    for (const double dx : {0.05, 0.02}) // whole numbers of spacings per element
+      for (const Cut& cut : random_cuts(30)) {
+        Scene scene(cut_patch(cut, scheme, dx));
+        const std::vector<double> u = sided_blocks(scene, {rigid(0.3, -0.2, 0.5), rigid(-0.1, 0.4, -0.7)});
+        EXPECT_LT(largest(scene, scene.internal_force(u)), 1e-10 * 1.5)
+            << cut.point.transpose() << " at " << cut.angle << " dx " << dx << " scheme " << static_cast<int>(scheme);
+      }
+}
+
+TEST(CutPatch, HalvesMoveRigidlyWithBrokenRatios)
+{
+  for (const Cut& cut : random_cuts(30)) {
+    Scene scene(cut_patch(cut, couple::Scheme::energy, 0.04)); // 2.5 per element
+    const std::vector<double> u = sided_blocks(scene, {rigid(0.3, -0.2, 0.5), rigid(-0.1, 0.4, -0.7)});
+    EXPECT_LT(largest(scene, scene.internal_force(u)), 1e-10 * 1.5) << cut.point.transpose() << " at " << cut.angle;
+  }
+}
+
+TEST(CutPatch, SolvesToRigidHalvesMatrixFreeInFewIterations)
+{
+  for (const Cut& cut : {Cut{{0.5, 0.5}, 0.0}, Cut{{0.5, 0.52}, 0.4}, Cut{{0.48, 0.5}, 1.2}}) {
+    Scene scene(cut_patch(cut, couple::Scheme::energy, 0.02));
+    const SidedField field{rigid(0.3, -0.2, 0.5), rigid(-0.1, 0.4, -0.7)};
+    prescribe_sided(scene, field);
+    const VecHandle u = scene.solve();
+    EXPECT_LT(sided_error(scene, u.get(), field), 1e-8);
+    EXPECT_LE(scene.report().linear_iterations, 25) << cut.angle;
+  }
+}
+} // namespace
+} // namespace pdx::test
