@@ -43,7 +43,10 @@ template <int Dim>
 CarriedBonds<Dim>::CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> points, std::vector<CarriedBond<Dim>> bonds,
                                 pd::Kinematics kinematics, bool symmetric)
     : rows_(rows), points_(std::move(points)), bonds_(std::move(bonds)), kinematics_(kinematics), symmetric_(symmetric)
-{}
+{
+  for (const CarriedBond<Dim>& bond : bonds_) gone_.push_back(bond.cut);
+  saved_ = gone_;
+}
 
 template <int Dim> void CarriedBonds<Dim>::needed_rows(std::vector<PetscInt>& rows) const
 {
@@ -68,7 +71,9 @@ template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> 
   Timed timed(event);
   points_.spread(u, spread_);
   forces_.assign(spread_.size(), 0.0);
-  for (const CarriedBond<Dim>& bond : bonds_) {
+  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+    if (gone_[number]) continue;
+    const CarriedBond<Dim>& bond = bonds_[number];
     const auto state = state_of<Dim>(bond, bond.xi.norm(), stretch_vector(bond, spread_), kinematics_);
     const Vector<Dim> force = bond.kappa * state.stretch * state.direction;
     for (std::size_t k = 0; k < Dim; ++k) {
@@ -84,8 +89,9 @@ template <int Dim> double CarriedBonds<Dim>::energy(std::span<const double> u) c
 {
   double total = 0.0;
   points_.spread(u, spread_);
-  for (const CarriedBond<Dim>& bond : bonds_) {
-    if (points_.rows(bond.a).front() >= rows_.owned()) continue;
+  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+    const CarriedBond<Dim>& bond = bonds_[number];
+    if (gone_[number] || !counted(bond)) continue;
     const double length = bond.xi.norm();
     const auto state = state_of<Dim>(bond, length, stretch_vector(bond, spread_), kinematics_);
     total += law::bond_energy(bond.kappa, length, state.stretch);
@@ -97,9 +103,10 @@ template <int Dim>
 void CarriedBonds<Dim>::add_energy_density(std::span<const double> u, std::span<double> density) const
 {
   points_.spread(u, spread_);
-  for (const CarriedBond<Dim>& bond : bonds_) {
+  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+    const CarriedBond<Dim>& bond = bonds_[number];
     const Index particle = points_.rows(bond.a).front();
-    if (bond.energy_share == 0.0 || particle >= rows_.owned()) continue;
+    if (gone_[number] || bond.energy_share == 0.0 || particle >= rows_.owned()) continue;
     const auto state = state_of<Dim>(bond, bond.xi.norm(), stretch_vector(bond, spread_), kinematics_);
     density[static_cast<std::size_t>(particle)] += 0.5 * law::bond_energy(bond.kappa, bond.energy_share, state.stretch);
   }
@@ -153,6 +160,7 @@ template <int Dim> void CarriedBonds<Dim>::add_jacobian(field::BlockAdder& adder
         for (const Index row : points_.rows(point)) panel.place(row);
     panel.size_values();
     for (std::size_t k = begin; k < end; ++k) {
+      if (gone_[k]) continue;
       const CarriedBond<Dim>& bond = bonds_[k];
       const double length = bond.xi.norm();
       Vector<Dim> eta = Vector<Dim>::Zero();
@@ -168,6 +176,55 @@ template <int Dim> void CarriedBonds<Dim>::add_jacobian(field::BlockAdder& adder
     }
     adder.add(panel.rows, panel.rows, panel.values);
   });
+}
+
+template <int Dim>
+template <class Visit>
+void CarriedBonds<Dim>::for_each_overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules,
+                                               Visit&& visit) const
+{
+  points_.spread(u, spread_);
+  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+    const CarriedBond<Dim>& bond = bonds_[number];
+    if (gone_[number] || bond.no_fail) continue;
+    const pd::BreakRule& rule = rules[static_cast<std::size_t>(bond.patch)];
+    const double s = state_of<Dim>(bond, bond.xi.norm(), stretch_vector(bond, spread_), rule.kinematics).stretch;
+    if (s > rule.critical_stretch) visit(number, s);
+  }
+}
+
+template <int Dim>
+pd::Broken CarriedBonds<Dim>::break_bonds(std::span<const double> u, std::span<const pd::BreakRule> rules)
+{
+  pd::Broken broken;
+  for_each_overstretched(u, rules, [&](std::size_t number, double stretch) {
+    const CarriedBond<Dim>& bond = bonds_[number];
+    gone_[number] = 1;
+    if (counted(bond)) broken += {1, law::bond_energy(bond.kappa, bond.xi.norm(), stretch)};
+  });
+  return broken;
+}
+
+template <int Dim>
+void CarriedBonds<Dim>::overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules,
+                                      std::vector<double>& ratios) const
+{
+  for_each_overstretched(u, rules, [&](std::size_t number, double stretch) {
+    const CarriedBond<Dim>& bond = bonds_[number];
+    if (counted(bond)) ratios.push_back(stretch / rules[static_cast<std::size_t>(bond.patch)].critical_stretch);
+  });
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_bonded_volume(std::span<pd::BondedVolume> volumes) const
+{
+  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+    const CarriedBond<Dim>& bond = bonds_[number];
+    if (bond.volume == 0.0 || !counted(bond)) continue;
+    pd::BondedVolume& volume = volumes[static_cast<std::size_t>(points_.rows(bond.a).front())];
+    volume.whole += bond.volume;
+    if (!bond.cut) volume.start += bond.volume;
+    if (!gone_[number]) volume.now += bond.volume;
+  }
 }
 
 template class CarriedBonds<2>;

@@ -145,6 +145,67 @@ template <int Dim> void BondTerm<Dim>::add_tangent_action(std::span<const double
   }
 }
 
+template <int Dim> void BondTerm<Dim>::weak_rows(std::vector<Index>& rows) const
+{
+  for (const auto& part : parts_) part->weak_rows(rows);
+}
+
+template <int Dim> std::int64_t BondTerm<Dim>::cut(const crack::CrackSet& cracks)
+{
+  static Event event("pd_cut");
+  Timed timed(event);
+  std::int64_t count = 0;
+  for (const auto& part : parts_) count += part->cut(cracks);
+  return count;
+}
+
+template <int Dim> void BondTerm<Dim>::protect(std::span<const geom::Box<2>> boxes)
+{
+  for (const auto& part : parts_) part->protect(boxes);
+}
+
+template <int Dim> const typename BondTerm<Dim>::Windows& BondTerm<Dim>::load(std::span<const double> u) const
+{
+  for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p]->load(u, scratch_[p]);
+  return scratch_;
+}
+
+template <int Dim> Broken BondTerm<Dim>::break_bonds(const Windows& loaded, std::span<const BreakRule> rules)
+{
+  Broken broken;
+  for (std::size_t p = 0; p < parts_.size(); ++p) broken += parts_[p]->break_bonds(loaded[p], rules[p]);
+  return broken;
+}
+
+template <int Dim>
+void BondTerm<Dim>::overstretched(const Windows& loaded, std::span<const BreakRule> rules,
+                                  std::vector<double>& ratios) const
+{
+  for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p]->overstretched(loaded[p], rules[p], ratios);
+}
+
+template <int Dim> void BondTerm<Dim>::save()
+{
+  for (const auto& part : parts_) part->save();
+}
+
+template <int Dim> void BondTerm<Dim>::restore()
+{
+  for (const auto& part : parts_) part->restore();
+}
+
+template <int Dim> std::int64_t BondTerm<Dim>::bonds() const
+{
+  std::int64_t count = 0;
+  for (const auto& part : parts_) count += part->bonds();
+  return count;
+}
+
+template <int Dim> void BondTerm<Dim>::add_bonded_volume(std::span<BondedVolume> volumes) const
+{
+  for (const auto& part : parts_) part->add_bonded_volume(volumes);
+}
+
 template class BondTerm<2>;
 template class BondTerm<3>;
 } // namespace pdx::pd

@@ -1,5 +1,7 @@
 #include "pdx/pd/breaker.hpp"
 
+#include "lanes.hpp"
+
 #include <algorithm>
 #include <bit>
 
@@ -12,37 +14,94 @@ struct Span {
   Index length;
 };
 
-/// s > s0 without a root and without cancellation. linear: xi.eta > s0 |xi|^2. finite: |xi + eta| > (1 + s0) |xi|, that
-/// is 2 xi.eta + eta.eta > s0 (2 + s0) |xi|^2.
-template <int Dim, Kinematics kinematics>
-std::int64_t break_span(const BondView<Dim>& view, Span span, const BreakRule& rule, std::uint64_t* words)
+/// As `load`, of the first `count` entries; the others are 0.
+template <int W, class T> PDX_INLINE auto load_first(const T* p, std::ptrdiff_t count)
 {
-  const HalfArm<Dim>& arm = view.arms[span.h];
-  const double s0 = rule.critical_stretch, factor = kinematics == Kinematics::linear ? s0 : s0 * (2.0 + s0);
-  const double limit = factor * arm.length * arm.length;
-  const unsigned shift = span.h % 64;
-  std::int64_t broken = 0;
-  for (std::ptrdiff_t i = span.at; i < span.at + span.length; ++i) {
-    double growth = 0.0;
-    for (std::size_t d = 0; d < Dim; ++d) {
-      const double eta = view.u[d][i + arm.jump] - view.u[d][i];
-      growth += (kinematics == Kinematics::linear ? arm.xi[d] : 2.0 * arm.xi[d] + eta) * eta;
+  decltype(load<W>(p)) x{};
+  if (count >= W) return load<W>(p);
+  for (std::ptrdiff_t l = 0; l < count; ++l) x[l] = p[l];
+  return x;
+}
+
+/// s > s0 without a root and without cancellation. linear: xi.eta > s0 |xi|^2. finite: |xi + eta| > (1 + s0) |xi|, that
+/// is 2 xi.eta + eta.eta > s0 (2 + s0) |xi|^2. Lanes to the last bond: all are rounded alike, on every rank.
+template <int Dim, Kinematics kinematics> struct BreakSpans {
+  const BondView<Dim>& view;
+  std::span<const Span> spans;
+  const BreakRule& rule;
+  BondWords words;
+  std::int64_t& broken;
+
+  template <int W> PDX_INLINE void run() const
+  {
+    for (const Span& span : spans) {
+      typename Simd<W>::Mask any{};
+      for (Index k = 0; k < span.length; k += W) any |= over<W>(span.h, span.at + k, span.length - k);
+      for (int l = 0; l < W; ++l)
+        if (any[l]) {
+          break_span<W>(span);
+          break;
+        }
     }
-    std::uint64_t over = growth > limit;
-    if (rule.no_fail) over &= (rule.no_fail[i] | rule.no_fail[i + arm.jump]) == 0;
-    over &= words[i] >> shift;
-    words[i] &= ~(over << shift);
-    broken += static_cast<std::int64_t>(over);
   }
+
+private:
+  template <int W> PDX_INLINE typename Simd<W>::Mask over(std::size_t h, std::ptrdiff_t i, std::ptrdiff_t count) const
+  {
+    const HalfArm<Dim>& arm = view.arms[h];
+    const double s0 = rule.critical_stretch, factor = kinematics == Kinematics::linear ? s0 : s0 * (2.0 + s0);
+    Lanes<W> growth{};
+    for (std::size_t d = 0; d < Dim; ++d) {
+      const Lanes<W> eta = load_first<W>(view.u[d] + i + arm.jump, count) - load_first<W>(view.u[d] + i, count);
+      if constexpr (kinematics == Kinematics::linear)
+        growth += arm.xi[d] * eta;
+      else
+        growth += (2.0 * arm.xi[d] + eta) * eta;
+    }
+    return growth > factor * arm.length * arm.length;
+  }
+
+  template <int W> PDX_INLINE void break_span(const Span& span) const
+  {
+    std::uint64_t* plane = words[span.h / 64];
+    const std::uint64_t bit = std::uint64_t{1} << span.h % 64;
+    const std::ptrdiff_t jump = view.arms[span.h].jump, end = span.at + span.length;
+    for (std::ptrdiff_t first = span.at; first < end; first += W) {
+      const typename Simd<W>::Mask gone = over<W>(span.h, first, end - first);
+      for (std::ptrdiff_t i = first; i < std::min<std::ptrdiff_t>(first + W, end); ++i) {
+        if (!gone[i - first] || !(plane[i] & bit)) continue;
+        if (rule.no_fail && (rule.no_fail[i] || rule.no_fail[i + jump])) continue;
+        plane[i] &= ~bit;
+        ++broken;
+      }
+    }
+  }
+};
+
+template <int Dim>
+std::int64_t break_spans(const BondView<Dim>& view, std::span<const Span> spans, const BreakRule& rule, BondWords words)
+{
+  std::int64_t broken = 0;
+  if (rule.kinematics == Kinematics::linear)
+    run_here(BreakSpans<Dim, Kinematics::linear>{view, spans, rule, words, broken});
+  else
+    run_here(BreakSpans<Dim, Kinematics::finite>{view, spans, rule, words, broken});
   return broken;
 }
 
-template <int Dim>
-std::int64_t break_any_span(const BondView<Dim>& view, Span span, const BreakRule& rule, BondWords words)
+/// Appends the parts of a span that lie in no run.
+void append_outside(std::span<const Run> ascending, const Span& span, std::vector<Span>& spans)
 {
-  std::uint64_t* plane = words[span.h / 64];
-  return rule.kinematics == Kinematics::linear ? break_span<Dim, Kinematics::linear>(view, span, rule, plane)
-                                               : break_span<Dim, Kinematics::finite>(view, span, rule, plane);
+  std::ptrdiff_t from = span.at;
+  const std::ptrdiff_t end = span.at + span.length;
+  auto run = std::upper_bound(ascending.begin(), ascending.end(), from,
+                              [](std::ptrdiff_t at, const Run& r) { return at < r.at + r.length; });
+  for (; from < end; ++run) {
+    const std::ptrdiff_t stop = run == ascending.end() ? end : std::min(end, run->at);
+    if (stop > from) spans.push_back({span.h, from, static_cast<Index>(stop - from)});
+    if (run == ascending.end()) return;
+    from = std::max(from, run->at + run->length);
+  }
 }
 
 /// Calls visit(window index, site) for all sites of the window.
@@ -85,14 +144,16 @@ template <int Dim> std::int64_t count_bonds(const BondView<Dim>& view, std::span
 template <int Dim>
 std::int64_t break_bonds(const BondView<Dim>& view, std::span<const Run> runs, const BreakRule& rule, BondWords words)
 {
-  std::int64_t broken = 0;
-  for (const Run& run : runs)
-    for (std::size_t h = 0; h < view.arms.size(); ++h)
-      broken += break_any_span(view, Span{h, run.at, run.length}, rule, words);
-  for (const Run& run : runs) // those that end here; where they start here too, they are broken and counted already
-    for (std::size_t h = 0; h < view.arms.size(); ++h)
-      break_any_span(view, Span{h, run.at - view.arms[h].jump, run.length}, rule, words);
-  return broken;
+  std::vector<Run> ascending(runs.begin(), runs.end());
+  std::sort(ascending.begin(), ascending.end(), [](const Run& a, const Run& b) { return a.at < b.at; });
+  std::vector<Span> starting, ending;
+  for (const Run& run : ascending)
+    for (std::size_t h = 0; h < view.arms.size(); ++h) {
+      starting.push_back({h, run.at, run.length});
+      append_outside(ascending, {h, run.at - view.arms[h].jump, run.length}, ending);
+    }
+  break_spans<Dim>(view, ending, rule, words); // those of other ranks
+  return break_spans<Dim>(view, starting, rule, words);
 }
 
 template <int Dim>

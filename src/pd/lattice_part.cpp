@@ -7,8 +7,6 @@
 
 namespace pdx::pd {
 namespace {
-constexpr Index kPadding = 16; // kernels may read this far past the last particle of a row
-
 template <int Dim> Site<Dim> shifted(Site<Dim> site, const Site<Dim>& step, Index times)
 {
   for (std::size_t d = 0; d < Dim; ++d) site[d] += times * step[d];
@@ -49,6 +47,7 @@ LatticePart<Dim>::LatticePart(const field::Rows& rows, geom::Lattice<Dim> lattic
   write_bond_words();
   if (exists) write_shares(exists);
   collect_halo();
+  find_traits();
   make_runs();
 }
 
@@ -68,11 +67,11 @@ template <int Dim> void LatticePart<Dim>::place_window()
   for (std::size_t d = 0; d < Dim; ++d) {
     lower_[d] -= stencil_.reach;
     extent_[d] = sites_.empty() ? 0 : upper[d] - lower_[d] + 1 + stencil_.reach;
-    if (d == 0 && !sites_.empty()) extent_[0] = (extent_[0] + kPadding + 7) / 8 * 8;
+    if (d == 0 && !sites_.empty()) extent_[0] = (extent_[0] + kWindowPadding + 7) / 8 * 8;
     stride_[d] = window_size_;
     window_size_ *= extent_[d];
   }
-  if (window_size_) window_size_ += kPadding;
+  if (window_size_) window_size_ += kWindowPadding;
   for (const Arm<Dim>& arm : stencil_.half) {
     HalfArm<Dim> half{0, {}, arm.length, arm.kappa};
     for (std::size_t d = 0; d < Dim; ++d) {
@@ -84,13 +83,6 @@ template <int Dim> void LatticePart<Dim>::place_window()
   local_rows_.assign(static_cast<std::size_t>(window_size_), -1);
   for (std::size_t k = 0; k < sites_.size(); ++k)
     local_rows_[static_cast<std::size_t>(at(lattice_.site(sites_[k])))] = first_row_ + static_cast<Index>(k);
-}
-
-template <int Dim> std::ptrdiff_t LatticePart<Dim>::at(const Site<Dim>& site) const
-{
-  std::ptrdiff_t position = 0;
-  for (std::size_t d = 0; d < Dim; ++d) position += (site[d] - lower_[d]) * stride_[d];
-  return position;
 }
 
 template <int Dim> bool LatticePart<Dim>::in_window(const Site<Dim>& site) const
@@ -105,31 +97,25 @@ template <int Dim> Index LatticePart<Dim>::row(const Site<Dim>& site) const
   return in_window(site) ? local_rows_[static_cast<std::size_t>(at(site))] : -1;
 }
 
-template <int Dim> bool LatticePart<Dim>::has_bond(std::ptrdiff_t at, std::size_t arm) const
-{
-  return words_[arm / 64][static_cast<std::size_t>(at)] >> (arm % 64) & 1u;
-}
-
 /// A bond belongs to its lower end: bit h of a site says that the bond along half arm h is there and intact. Bonds of
 /// owned particles start at owned sites or within reach of them, so only those words are written.
 template <int Dim> void LatticePart<Dim>::write_bond_words()
 {
-  const std::size_t planes = (arms_.size() + 63) / 64;
-  for (std::size_t p = 0; p < planes; ++p) words_[p].assign(static_cast<std::size_t>(window_size_), 0);
+  for (std::size_t p = 0; p < planes(); ++p) words_[p].assign(static_cast<std::size_t>(window_size_), 0);
   std::array<std::uint64_t, 2> all{0, 0};
   for (std::size_t h = 0; h < arms_.size(); ++h) all[h / 64] |= std::uint64_t{1} << (h % 64);
   const auto write = [&](const Site<Dim>& site, std::size_t position) {
     bool inner = true;
     for (std::size_t d = 0; d < Dim; ++d)
       inner &= site[d] >= stencil_.reach && site[d] < lattice_.count[d] - stencil_.reach;
-    for (std::size_t p = 0; inner && p < planes; ++p) words_[p][position] = all[p];
+    for (std::size_t p = 0; inner && p < planes(); ++p) words_[p][position] = all[p];
     if (inner || !lattice_.contains(site)) return;
     for (std::size_t h = 0; h < arms_.size(); ++h)
       if (lattice_.contains(shifted<Dim>(site, stencil_.half[h].step, 1)))
         words_[h / 64][position] |= std::uint64_t{1} << (h % 64);
   };
   Site<Dim> site = lower_;
-  for (std::ptrdiff_t k = 0; k + kPadding < window_size_; ++k) {
+  for (std::ptrdiff_t k = 0; k + kWindowPadding < window_size_; ++k) {
     write(site, static_cast<std::size_t>(k));
     for (std::size_t d = 0; d < Dim; ++d) {
       if (++site[d] < lower_[d] + extent_[d]) break;
@@ -153,7 +139,7 @@ template <int Dim> void LatticePart<Dim>::write_shares(const Exists<Dim>& exists
     corrected |= share != 1.0;
   };
   Site<Dim> site = lower_;
-  for (std::ptrdiff_t k = 0; k + kPadding < window_size_; ++k) {
+  for (std::ptrdiff_t k = 0; k + kWindowPadding < window_size_; ++k) {
     set(site);
     for (std::size_t d = 0; d < Dim; ++d) {
       if (++site[d] < lower_[d] + extent_[d]) break;
@@ -210,36 +196,6 @@ Vector<Dim> LatticePart<Dim>::relative(const Window& window, Index k, std::size_
   for (std::size_t d = 0; d < Dim; ++d)
     eta[static_cast<Eigen::Index>(d)] = window[d][static_cast<std::size_t>(j)] - window[d][static_cast<std::size_t>(i)];
   return eta;
-}
-
-template <int Dim> void LatticePart<Dim>::make_runs()
-{
-  const auto append = [](std::vector<Run>& runs, std::ptrdiff_t position, Index row, RunKind kind) {
-    if (!runs.empty()) {
-      Run& last = runs.back();
-      if (last.kind == kind && last.at + last.length == position && last.row + last.length == row) {
-        ++last.length;
-        return;
-      }
-    }
-    runs.push_back({position, row, 1, kind});
-  };
-  for (std::size_t k = 0; k < sites_.size(); ++k) {
-    const std::ptrdiff_t i = at(lattice_.site(sites_[k]));
-    const Index row = first_row_ + static_cast<Index>(k);
-    bool complete = true, plain = true;
-    for (std::size_t h = 0; h < arms_.size(); ++h)
-      for (const Index sign : {1, -1}) {
-        const std::ptrdiff_t j = i + sign * arms_[h].jump;
-        const bool there = has_bond(sign > 0 ? i : j, h);
-        complete &= there;
-        if (there && !share_.empty())
-          plain &= share_[static_cast<std::size_t>(i)] == 1.0 && share_[static_cast<std::size_t>(j)] == 1.0;
-      }
-    append(segments_, i, row, RunKind::whole);
-    append(force_runs_, i, row, complete && plain ? RunKind::whole : RunKind::partial);
-    append(linear_runs_, i, row, plain ? RunKind::whole : RunKind::partial);
-  }
 }
 
 template <int Dim> typename LatticePart<Dim>::Window LatticePart<Dim>::window() const

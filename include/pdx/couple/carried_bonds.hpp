@@ -1,7 +1,8 @@
 #pragma once
 #include "pdx/couple/carried_points.hpp"
 #include "pdx/field/term.hpp"
-#include "pdx/pd/bond_kernel.hpp"
+#include "pdx/pd/breaker.hpp"
+#include "pdx/pd/damage.hpp"
 
 namespace pdx::couple {
 /// A bond between two carried points. Its force may act at other points than those that stretch it (the `interface`
@@ -13,12 +14,13 @@ template <int Dim> struct CarriedBond {
   double kappa = 0.0;             ///< force per unit stretch                             [N]
   double energy_share = 0.0;      ///< whole bond length over particle volume where a is a particle, else 0 [1/m^2]
   double volume = 0.0;            ///< beta V of the outer end where a is a particle, else 0 [m^3]
-  int patch = 0;                  ///< whose stencil the bond is of
   bool cut = false;               ///< by a crack from the start: it carries nothing, but counts in the whole family
   bool no_fail = false;           ///< it never breaks
+  Index patch = 0;                ///< the patch of its particle, whose critical stretch it has
 };
 
 /// The bonds that do not join two particles of a patch: springs of the coupling schemes, all with the bond force law.
+/// Those that are cut or broken stay in `couplings`, so that a matrix keeps its pattern, and nowhere else.
 template <int Dim> class CarriedBonds final : public field::Term {
 public:
   CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> points, std::vector<CarriedBond<Dim>> bonds,
@@ -36,16 +38,34 @@ public:
 
   /// Adds half of each whole bond's energy to the density of the particle at its first end [J/m^3], one entry per row.
   void add_energy_density(std::span<const double> u, std::span<double> density) const;
+
+  /// Breaks all bonds with s > s0 at displacement u (local blocks [owned | halo]). Ranks that hold the same bond judge
+  /// it alike. @param rules one per patch   @return what this rank counts, as in `energy`
+  pd::Broken break_bonds(std::span<const double> u, std::span<const pd::BreakRule> rules);
+  /// Appends s/s0 of the bonds that `break_bonds` would break and this rank counts.
+  void overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules,
+                     std::vector<double>& ratios) const;
+  /// Remembers which bonds are gone; `restore` goes back to what was remembered last.
+  void save() { saved_ = gone_; }
+  void restore() { gone_ = saved_; }
+  /// Adds the volume at the outer ends to the particles' families, one entry per owned row.
+  void add_bonded_volume(std::span<pd::BondedVolume> volumes) const;
+
   std::size_t size() const { return bonds_.size(); }
 
 private:
   struct Panel;
+  bool counted(const CarriedBond<Dim>& bond) const { return points_.rows(bond.a).front() < rows_.owned(); }
+  /// Calls visit(number, stretch) for the intact bonds that a rule breaks at u.
+  template <class Visit>
+  void for_each_overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules, Visit&& visit) const;
   Vector<Dim> stretch_vector(const CarriedBond<Dim>& bond, std::span<const double> d) const;
   template <class Visit> void for_each_group(Visit&& visit) const;
 
   field::Rows rows_;
   CarriedPoints<Dim> points_;
   std::vector<CarriedBond<Dim>> bonds_;
+  std::vector<std::uint8_t> gone_, saved_; // per bond: cut or broken
   pd::Kinematics kinematics_;
   bool symmetric_;
   std::vector<double> state_; // displacement of the points at the last linearisation

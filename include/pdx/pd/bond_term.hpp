@@ -19,7 +19,26 @@ public:
   void couplings(field::Couplings& couplings, bool whole) const override;
   void add_jacobian(field::BlockAdder& adder, bool whole) const override;
   void add_tangent_action(std::span<const double> x, std::span<double> y) const override;
+  void weak_rows(std::vector<Index>& rows) const override;
   bool constant_jacobian() const override { return kinematics_ == Kinematics::linear; }
+
+  /// Takes out the bonds that a crack parts, the precrack, and returns how many of them this rank counts.
+  std::int64_t cut(const crack::CrackSet& cracks);
+  /// No bond with an end in one of the boxes [m] breaks.
+  void protect(std::span<const geom::Box<2>> boxes);
+  using Windows = std::vector<typename LatticePart<Dim>::Window>;
+  /// Displacement of all particles of the patches, halo included; good until the next call of anything else here.
+  /// Collective.
+  const Windows& load(std::span<const double> u) const;
+  /// Breaks what is overstretched there. @param rules one per patch   @return what this rank counts
+  Broken break_bonds(const Windows& loaded, std::span<const BreakRule> rules);
+  /// s/s0 of the bonds that `break_bonds` would break and this rank counts, in any order.
+  void overstretched(const Windows& loaded, std::span<const BreakRule> rules, std::vector<double>& ratios) const;
+  void save();
+  void restore();             ///< needs a `save` before
+  std::int64_t bonds() const; ///< intact ones that this rank counts
+  /// Adds to one entry per owned row; carried bonds add theirs.
+  void add_bonded_volume(std::span<BondedVolume> volumes) const;
 
   const std::vector<std::unique_ptr<LatticePart<Dim>>>& parts() const { return parts_; }
   /// Strain energy density of the owned particles by their lattice bonds [J/m^3]; carried bonds add theirs.
@@ -33,7 +52,7 @@ private:
   Kinematics kinematics_;
   bool assembled_;
   const field::RowHalo* halo_ = nullptr;
-  std::vector<typename LatticePart<Dim>::Window> state_; // displacement the tangent is taken at
-  mutable std::vector<typename LatticePart<Dim>::Window> scratch_;
+  Windows state_; // displacement the tangent is taken at
+  mutable Windows scratch_;
 };
 } // namespace pdx::pd

@@ -15,6 +15,18 @@ struct BreakRule {
   const std::uint8_t* no_fail = nullptr; ///< per window site; bonds with an end where it is not 0 never break
 };
 
+/// Bonds that broke, each counted by one rank only: sums over ranks are those of the scene.
+struct Broken {
+  std::int64_t bonds = 0;
+  double energy = 0.0; ///< their strain energy at that moment, 1/2 kappa s^2 |xi| with the surface factor [J]
+  Broken& operator+=(const Broken& other)
+  {
+    bonds += other.bonds;
+    energy += other.energy;
+    return *this;
+  }
+};
+
 /// Where the sites of a window are. Points are those of the whole lattice, so that they are equal on every rank.
 template <int Dim> struct WindowSites {
   geom::Lattice<Dim> lattice; ///< the whole patch
@@ -27,7 +39,7 @@ template <int Dim> std::int64_t count_bonds(const BondView<Dim>& view, std::span
 
 /// Clears the bits of all bonds of the particles in the runs with s > s0 at view.u, and returns how many of those start
 /// at a particle of the runs. A pass of its own: bonds are judged at one displacement, in any order. Bonds to particles
-/// of other ranks are cleared here and there, by the same arithmetic from the same end. Run kinds are not looked at;
+/// of other ranks are cleared here and there, by the same arithmetic to the last bit. Run kinds are not looked at;
 /// afterwards runs of particles that lost a bond are no longer `whole`.
 /// @param words the words of the view, writable
 template <int Dim>

@@ -1,7 +1,8 @@
 #pragma once
 #include "pdx/field/rows.hpp"
 #include "pdx/geom/lattice.hpp"
-#include "pdx/pd/bond_kernel.hpp"
+#include "pdx/pd/breaker.hpp"
+#include "pdx/pd/damage.hpp"
 #include "pdx/pd/site_directory.hpp"
 #include "pdx/pd/stencil.hpp"
 
@@ -12,6 +13,9 @@ namespace pdx::pd {
 /// True for a site, inside or outside the lattice, where the body has material that counts to a bond family.
 template <int Dim> using Exists = std::function<bool(const Site<Dim>&)>;
 
+/// Sites that kernels may read past the last particle of a row.
+inline constexpr Index kWindowPadding = 16;
+
 /// Largest step of a family member in any direction, bonds or not: the width of a complete neighbourhood in sites.
 template <int Dim> int family_reach(const Stencil<Dim>& stencil);
 /// Family volume of a site over that of a complete family [-]; 1 inside, less near a free surface.
@@ -19,6 +23,8 @@ template <int Dim> double family_share(const Stencil<Dim>& stencil, const Site<D
 
 /// One rank's part of one patch: its particles as runs along x in a dense, padded window of the lattice, the halo
 /// around them, and the bond words. Windows are structure-of-arrays so that the bond kernels need no index lists.
+/// Bonds to particles of other ranks are kept on either side, and change here and there by the same arithmetic. Bonds
+/// are counted by the rank of their lower end.
 template <int Dim> class LatticePart {
 public:
   /// @param sites   owned site numbers, ascending; their rows follow each other from local row `first_row`
@@ -33,6 +39,8 @@ public:
   const SiteDirectory& directory() const { return directory_; }
   /// Local row of an owned site, -1 if another rank (or none) has it; after `number_halo` halo sites have theirs too.
   Index row(const Site<Dim>& site) const;
+
+  MPI_Comm comm() const { return rows_.comm; }
 
   /// Global rows of the halo sites, in halo order.
   std::span<const PetscInt> halo_rows() const { return halo_rows_; }
@@ -49,12 +57,41 @@ public:
   /// Displacement of a neighbour relative to particle k, u_j - u_i [m], from a loaded window.
   Vector<Dim> relative(const Window& window, Index k, std::size_t arm, int sign) const;
   BondView<Dim> view(const Window& window) const;
-  std::span<const Run> force_runs() const { return force_runs_; }   ///< whole only where no bond is missing
-  std::span<const Run> linear_runs() const { return linear_runs_; } ///< whole where absent neighbours count as u = 0
+  std::span<const Run> force_runs() const { return force_runs_; } ///< whole only where no bond is missing
+  /// whole where no bond was lost; neighbours that never were count as u = 0
+  std::span<const Run> linear_runs() const { return linear_runs_; }
   /// True if some bond of the patch, on whatever rank, has a surface correction factor.
   bool corrected() const { return corrected_; }
 
+  /// Bonds with an end in one of the boxes [m] never break; cracks still cut them. In 3-D boxes reach through.
+  void protect(std::span<const geom::Box<2>> boxes);
+  /// Takes out the bonds that a crack parts, the precrack. To be called before anything breaks.
+  /// @return how many of them this rank counts
+  std::int64_t cut(const crack::CrackSet& cracks);
+  /// Breaks all bonds that are overstretched at a loaded window; `rule.no_fail` is replaced by what `protect` said.
+  Broken break_bonds(const Window& loaded, BreakRule rule);
+  /// Appends s/s0 of what `break_bonds` would break, of the bonds that this rank counts.
+  void overstretched(const Window& loaded, BreakRule rule, std::vector<double>& ratios) const;
+  /// Remembers the bonds; `restore` goes back to those remembered last.
+  void save();
+  void restore();
+
+  /// Intact bonds that start at owned particle k, bit h for half arm h.
+  std::array<std::uint64_t, 2> words_of(Index k) const;
+  std::int64_t bonds() const; ///< intact ones that this rank counts
+  /// Appends local rows of particles that lost bonds and have (almost) no stiffness left in some direction.
+  void weak_rows(std::vector<Index>& rows) const;
+  /// @param volumes one entry per owned row
+  void add_bonded_volume(std::span<BondedVolume> volumes) const;
+
 private:
+  using Words = std::array<std::vector<std::uint64_t>, 2>;
+  enum Trait : std::uint8_t {
+    kOwned = 1,
+    kPlain = 2,    ///< all its bonds have surface factor 1
+    kComplete = 4, ///< it had all bonds of a full family at first
+    kLost = 8      ///< it lost a bond since
+  };
   std::ptrdiff_t at(const Site<Dim>& site) const;
   bool in_window(const Site<Dim>& site) const;
   bool has_bond(std::ptrdiff_t at, std::size_t arm) const;
@@ -62,7 +99,16 @@ private:
   void write_bond_words();
   void write_shares(const Exists<Dim>& exists);
   void collect_halo();
+  void find_traits();
   void make_runs();
+  std::size_t planes() const { return (arms_.size() + 63) / 64; }
+  BondWords writable(Words& words) const { return {words[0].data(), words[1].data()}; }
+  template <class Visit> static void for_each_loss(const Words& before, const Words& after, Visit&& visit);
+  void note_losses();
+  double surface_factor(std::ptrdiff_t i, std::ptrdiff_t j) const;
+  double stretch(const Window& loaded, std::ptrdiff_t i, std::size_t h, Kinematics kinematics) const;
+  std::vector<double> bonded_volume_now() const;
+  void remember_volume();
 
   field::Rows rows_;
   geom::Lattice<Dim> lattice_;
@@ -75,7 +121,14 @@ private:
   std::array<std::ptrdiff_t, Dim> stride_{};
   std::ptrdiff_t window_size_ = 0;
   std::vector<HalfArm<Dim>> arms_;
-  std::vector<std::uint64_t> words_[2];
+  Words words_;
+  mutable Words other_words_;                  // those before a change, or what they would be after it
+  std::vector<std::uint8_t> traits_, no_fail_; // per window site; no_fail_ empty: none
+  struct {
+    Words words;
+    std::vector<std::uint8_t> traits;
+  } saved_;
+  std::vector<double> whole_volume_, start_volume_; // per owned particle; empty until bonds change [m^3]
   std::vector<double> share_;
   bool corrected_ = false;        // alike on every rank, also on those without particles
   std::vector<Index> local_rows_; // per window site: local row or -1
@@ -85,6 +138,23 @@ private:
   SfHandle halo_sf_;
   mutable std::vector<double> halo_buffer_;
 };
+
+template <int Dim> std::ptrdiff_t LatticePart<Dim>::at(const Site<Dim>& site) const
+{
+  std::ptrdiff_t position = 0;
+  for (std::size_t d = 0; d < Dim; ++d) position += (site[d] - lower_[d]) * stride_[d];
+  return position;
+}
+
+template <int Dim> bool LatticePart<Dim>::has_bond(std::ptrdiff_t at, std::size_t arm) const
+{
+  return words_[arm / 64][static_cast<std::size_t>(at)] >> (arm % 64) & 1u;
+}
+
+template <int Dim> double LatticePart<Dim>::surface_factor(std::ptrdiff_t i, std::ptrdiff_t j) const
+{
+  return share_.empty() ? 1.0 : 2.0 / (share_[static_cast<std::size_t>(i)] + share_[static_cast<std::size_t>(j)]);
+}
 
 template <int Dim> template <class Visit> void LatticePart<Dim>::for_each_bond(Index k, Visit&& visit) const
 {
@@ -96,9 +166,7 @@ template <int Dim> template <class Visit> void LatticePart<Dim>::for_each_bond(I
       if (!has_bond(sign > 0 ? i : j, h)) continue;
       Site<Dim> other = site;
       for (std::size_t d = 0; d < Dim; ++d) other[d] += sign * stencil_.half[h].step[d];
-      const double weight =
-          share_.empty() ? 1.0 : 2.0 / (share_[static_cast<std::size_t>(i)] + share_[static_cast<std::size_t>(j)]);
-      visit(h, sign, other, weight);
+      visit(h, sign, other, surface_factor(i, j));
     }
 }
 } // namespace pdx::pd

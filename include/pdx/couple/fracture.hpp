@@ -1,0 +1,56 @@
+#pragma once
+#include "pdx/couple/carried_bonds.hpp"
+#include "pdx/field/after_solve.hpp"
+#include "pdx/pd/bond_term.hpp"
+
+#include <optional>
+
+namespace pdx::couple {
+/// Which of the overstretched bonds a pass breaks. all: every one. worst: a share of them, those with the largest
+/// s / s0, and what is as much stretched to 1e-6, so that symmetric bonds go together.
+enum class Release { all, worst };
+
+struct FractureOptions {
+  std::vector<double> critical_stretch; ///< s0 per patch; bonds with s > s0 break          [-]
+  std::vector<geom::Box<2>> no_fail;    ///< lattice bonds with an end in one never break; carried bonds say it
+                                        ///< themselves                                     [m]
+  Release release = Release::all;
+  double release_share = 0.1; ///< of the overstretched bonds, at least one; worst only     [-]
+  pd::Kinematics kinematics = pd::Kinematics::finite;
+};
+
+/// Breaks bonds after each solve: those between particles and those that leave their patch, by one rule and at one
+/// displacement. A broken bond never heals.
+class Fracture final : public field::AfterSolve {
+public:
+  /// After the precrack was cut, once the Terms are bound. Throws UserError for stretches or a share that are not
+  /// positive, and for a number of stretches that is not that of the patches.
+  /// @param carried may be null; outlive this, as `bonds`
+  Fracture(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, FractureOptions options);
+
+  std::int64_t apply(std::span<const double> u) override;
+  void save() override;
+  void restore() override;
+
+  std::int64_t broken() const { return now_.bonds; } ///< on all ranks, since the start [-]
+  double dissipated() const { return now_.energy; }  ///< strain energy of the bonds when they broke, all ranks [J]
+
+private:
+  std::vector<pd::BreakRule> rules(double scale) const;
+  std::optional<double> worst_scale(const pd::BondTerm<2>::Windows& loaded, std::span<const double> u) const;
+
+  pd::BondTerm<2>& bonds_;
+  CarriedBonds<2>* carried_;
+  FractureOptions options_;
+  MPI_Comm comm_;
+  pd::Broken now_, saved_;
+};
+
+/// One entry per owned particle, in order of rows.                                          [-]
+struct ParticleDamage {
+  std::vector<double> damage;   ///< of bonds that broke  [XPD1 Eq. 9]
+  std::vector<double> precrack; ///< of bonds that were cut from the start
+};
+/// Carried bonds included. @param carried may be null
+ParticleDamage particle_damage(const field::Rows& rows, const pd::BondTerm<2>& bonds, const CarriedBonds<2>* carried);
+} // namespace pdx::couple

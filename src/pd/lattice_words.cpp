@@ -1,0 +1,249 @@
+#include "pdx/law/bond_force.hpp"
+#include "pdx/pd/lattice_part.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <bit>
+
+// What changes in a LatticePart: bond words, and the runs that follow from them.
+namespace pdx::pd {
+namespace {
+constexpr double kWeak = 1e-2; // a particle with less than this share of a full family's stiffness may be loose
+
+/// The runs of particles alike: whole where `traits & mask` is `wanted`.
+void split_runs(std::span<const Run> segments, const std::uint8_t* traits, std::uint8_t mask, std::uint8_t wanted,
+                std::vector<Run>& runs)
+{
+  runs.clear();
+  for (const Run& segment : segments) {
+    const std::uint8_t* of = traits + segment.at;
+    for (Index k = 0; k < segment.length;) {
+      const bool whole = (of[k] & mask) == wanted;
+      Index end = k + 1;
+      while (end < segment.length && ((of[end] & mask) == wanted) == whole) ++end;
+      runs.push_back({segment.at + k, segment.row + k, end - k, whole ? RunKind::whole : RunKind::partial});
+      k = end;
+    }
+  }
+}
+} // namespace
+
+/// Looks at every bond; afterwards only losses change traits.
+template <int Dim> void LatticePart<Dim>::find_traits()
+{
+  traits_.assign(static_cast<std::size_t>(window_size_), 0);
+  for (std::size_t k = 0; k < sites_.size(); ++k) {
+    const std::ptrdiff_t i = at(lattice_.site(sites_[k]));
+    const Index row = first_row_ + static_cast<Index>(k);
+    std::uint8_t traits = kOwned | kPlain | kComplete;
+    for (std::size_t h = 0; h < arms_.size(); ++h)
+      for (const Index sign : {1, -1}) {
+        const std::ptrdiff_t j = i + sign * arms_[h].jump;
+        const bool there = has_bond(sign > 0 ? i : j, h);
+        if (!there) traits &= static_cast<std::uint8_t>(~kComplete);
+        if (there && !share_.empty() &&
+            (share_[static_cast<std::size_t>(i)] != 1.0 || share_[static_cast<std::size_t>(j)] != 1.0))
+          traits &= static_cast<std::uint8_t>(~kPlain);
+      }
+    traits_[static_cast<std::size_t>(i)] = traits;
+    const bool on = !segments_.empty() && segments_.back().at + segments_.back().length == i;
+    if (on)
+      ++segments_.back().length;
+    else
+      segments_.push_back({i, row, 1, RunKind::whole});
+  }
+}
+
+template <int Dim> void LatticePart<Dim>::make_runs()
+{
+  split_runs(segments_, traits_.data(), kPlain | kComplete | kLost, kPlain | kComplete, force_runs_);
+  split_runs(segments_, traits_.data(), kPlain | kLost, kPlain, linear_runs_);
+}
+
+/// Calls visit(window index of the lower end, half arm) for the bonds that are in `before` only.
+template <int Dim>
+template <class Visit>
+void LatticePart<Dim>::for_each_loss(const Words& before, const Words& after, Visit&& visit)
+{
+  for (std::size_t p = 0; p < 2; ++p)
+    for (std::size_t i = 0; i < before[p].size(); ++i)
+      for (std::uint64_t lost = before[p][i] & ~after[p][i]; lost; lost &= lost - 1)
+        visit(static_cast<std::ptrdiff_t>(i), 64 * p + static_cast<std::size_t>(std::countr_zero(lost)));
+}
+
+/// Brings traits and runs up to date after `words_` was `other_words_`.
+template <int Dim> void LatticePart<Dim>::note_losses()
+{
+  bool any = false;
+  for_each_loss(other_words_, words_, [&](std::ptrdiff_t i, std::size_t h) {
+    any = true;
+    for (const std::ptrdiff_t end : {i, i + arms_[h].jump})
+      if (end < window_size_) traits_[static_cast<std::size_t>(end)] |= kLost;
+  });
+  if (any) make_runs();
+}
+
+template <int Dim> void LatticePart<Dim>::protect(std::span<const geom::Box<2>> boxes)
+{
+  no_fail_.clear();
+  if (boxes.empty()) return;
+  no_fail_.assign(static_cast<std::size_t>(window_size_), 0);
+  Site<Dim> site = lower_;
+  for (std::ptrdiff_t i = 0; i + kWindowPadding < window_size_; ++i) {
+    const Vector<2> x = lattice_.point(site).template head<2>();
+    no_fail_[static_cast<std::size_t>(i)] =
+        std::any_of(boxes.begin(), boxes.end(), [&](const geom::Box<2>& box) { return box.contains(x); });
+    for (std::size_t d = 0; d < Dim; ++d) {
+      if (++site[d] < lower_[d] + extent_[d]) break;
+      site[d] = lower_[d];
+    }
+  }
+}
+
+template <int Dim> std::int64_t LatticePart<Dim>::cut(const crack::CrackSet& cracks)
+{
+  remember_volume();
+  other_words_ = words_;
+  const std::int64_t count =
+      cut_bonds<Dim>(cracks, WindowSites<Dim>{lattice_, lower_, extent_}, stencil_, segments_, writable(words_));
+  note_losses();
+  start_volume_ = bonded_volume_now();
+  return count;
+}
+
+template <int Dim> Broken LatticePart<Dim>::break_bonds(const Window& loaded, BreakRule rule)
+{
+  remember_volume();
+  rule.no_fail = no_fail_.empty() ? nullptr : no_fail_.data();
+  other_words_ = words_;
+  Broken broken;
+  broken.bonds = pd::break_bonds<Dim>(view(loaded), segments_, rule, writable(words_));
+  for_each_loss(other_words_, words_, [&](std::ptrdiff_t i, std::size_t h) {
+    if (!(traits_[static_cast<std::size_t>(i)] & kOwned)) return;
+    const HalfArm<Dim>& arm = arms_[h];
+    broken.energy += surface_factor(i, i + arm.jump) *
+                     law::bond_energy(arm.kappa, arm.length, stretch(loaded, i, h, rule.kinematics));
+  });
+  note_losses();
+  return broken;
+}
+
+template <int Dim>
+void LatticePart<Dim>::overstretched(const Window& loaded, BreakRule rule, std::vector<double>& ratios) const
+{
+  rule.no_fail = no_fail_.empty() ? nullptr : no_fail_.data();
+  other_words_ = words_;
+  pd::break_bonds<Dim>(view(loaded), segments_, rule, writable(other_words_));
+  for_each_loss(words_, other_words_, [&](std::ptrdiff_t i, std::size_t h) {
+    if (traits_[static_cast<std::size_t>(i)] & kOwned)
+      ratios.push_back(stretch(loaded, i, h, rule.kinematics) / rule.critical_stretch);
+  });
+}
+
+template <int Dim>
+double LatticePart<Dim>::stretch(const Window& loaded, std::ptrdiff_t i, std::size_t h, Kinematics kinematics) const
+{
+  const HalfArm<Dim>& arm = arms_[h];
+  Vector<Dim> xi, eta;
+  for (std::size_t d = 0; d < Dim; ++d) {
+    const auto e = static_cast<Eigen::Index>(d);
+    xi[e] = arm.xi[d];
+    eta[e] = loaded[d][static_cast<std::size_t>(i + arm.jump)] - loaded[d][static_cast<std::size_t>(i)];
+  }
+  return kinematics == Kinematics::finite ? law::finite_state<Dim>(xi, arm.length, eta).stretch
+                                          : law::linear_state<Dim>(xi, arm.length, eta).stretch;
+}
+
+template <int Dim> void LatticePart<Dim>::save()
+{
+  saved_.words = words_;
+  saved_.traits = traits_;
+}
+
+template <int Dim> void LatticePart<Dim>::restore()
+{
+  words_ = saved_.words;
+  traits_ = saved_.traits;
+  make_runs();
+}
+
+template <int Dim> std::array<std::uint64_t, 2> LatticePart<Dim>::words_of(Index k) const
+{
+  const auto i = static_cast<std::size_t>(at(lattice_.site(sites_[static_cast<std::size_t>(k)])));
+  return {words_[0][i], planes() > 1 ? words_[1][i] : 0};
+}
+
+template <int Dim> std::int64_t LatticePart<Dim>::bonds() const
+{
+  std::int64_t count = 0;
+  for (std::size_t p = 0; p < planes(); ++p)
+    for (const Run& run : segments_)
+      for (Index k = 0; k < run.length; ++k) count += std::popcount(words_[p][static_cast<std::size_t>(run.at + k)]);
+  return count;
+}
+
+template <int Dim> void LatticePart<Dim>::weak_rows(std::vector<Index>& rows) const
+{
+  double full = 0.0; // stiffness of a full family in any one direction, d trace / Dim, both halves
+  for (const HalfArm<Dim>& arm : arms_) full += 2.0 * arm.kappa / arm.length / Dim;
+  for (const Run& run : segments_)
+    for (Index k = 0; k < run.length; ++k) {
+      const std::ptrdiff_t i = run.at + k;
+      if (!(traits_[static_cast<std::size_t>(i)] & kLost)) continue;
+      Tensor<Dim> stiffness = Tensor<Dim>::Zero();
+      for (std::size_t h = 0; h < arms_.size(); ++h) {
+        const int there = has_bond(i, h) + has_bond(i - arms_[h].jump, h);
+        const Eigen::Map<const Vector<Dim>> xi(arms_[h].xi.data());
+        if (there) stiffness += (there * arms_[h].kappa / (arms_[h].length * xi.squaredNorm())) * (xi * xi.transpose());
+      }
+      Eigen::SelfAdjointEigenSolver<Tensor<Dim>> solver;
+      if (solver.computeDirect(stiffness, Eigen::EigenvaluesOnly).eigenvalues()[0] < kWeak * full)
+        rows.push_back(run.row + k);
+    }
+}
+
+template <int Dim> std::vector<double> LatticePart<Dim>::bonded_volume_now() const
+{
+  std::vector<double> sum(sites_.size(), 0.0);
+  std::vector<Run> runs = segments_;
+  for (Run& run : runs) run.row -= first_row_;
+  BondView<Dim> view{};
+  view.words = {words_[0].data(), words_[1].data()};
+  view.arms = arms_;
+  pd::add_bonded_volume<Dim>(view, stencil_, runs, sum.data());
+  return sum;
+}
+
+template <int Dim> void LatticePart<Dim>::remember_volume()
+{
+  if (whole_volume_.empty()) whole_volume_ = start_volume_ = bonded_volume_now();
+}
+
+template <int Dim> void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolume> volumes) const
+{
+  const std::vector<double> now = bonded_volume_now();
+  const bool changed = !whole_volume_.empty();
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    BondedVolume& volume = volumes[static_cast<std::size_t>(first_row_) + k];
+    volume.whole += changed ? whole_volume_[k] : now[k];
+    volume.start += changed ? start_volume_[k] : now[k];
+    volume.now += now[k];
+  }
+}
+
+#define PDX_INSTANTIATE(Dim)                                                                                           \
+  template void LatticePart<Dim>::find_traits();                                                                       \
+  template void LatticePart<Dim>::make_runs();                                                                         \
+  template void LatticePart<Dim>::protect(std::span<const geom::Box<2>>);                                              \
+  template std::int64_t LatticePart<Dim>::cut(const crack::CrackSet&);                                                 \
+  template Broken LatticePart<Dim>::break_bonds(const Window&, BreakRule);                                             \
+  template void LatticePart<Dim>::overstretched(const Window&, BreakRule, std::vector<double>&) const;                 \
+  template void LatticePart<Dim>::save();                                                                              \
+  template void LatticePart<Dim>::restore();                                                                           \
+  template std::array<std::uint64_t, 2> LatticePart<Dim>::words_of(Index) const;                                       \
+  template std::int64_t LatticePart<Dim>::bonds() const;                                                               \
+  template void LatticePart<Dim>::weak_rows(std::vector<Index>&) const;                                                \
+  template void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolume>) const
+PDX_INSTANTIATE(2);
+PDX_INSTANTIATE(3);
+} // namespace pdx::pd
