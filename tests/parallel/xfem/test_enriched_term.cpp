@@ -1,5 +1,6 @@
 #include "cut_body.hpp"
 
+#include "pdx/fem/stress_recovery.hpp"
 #include "support/scene.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -113,6 +114,27 @@ TEST(EnrichedTerm, ConstantStrainOnEitherSideHasForceAtTheRimOfTheHalvesOnly)
     EXPECT_NEAR(body.sum(right), pull, least);
     const double exact = 0.5 * 10.0 * 0.2 * (0.58 * strain[0] * strain[0] + 0.42 * strain[1] * strain[1]);
     EXPECT_NEAR(body.energy(body.owned_blocks(pulled)), exact, least);
+  }
+}
+
+TEST(EnrichedTerm, NodalStressIsThatOfTheNodesOwnSide)
+{
+  const CutBody body(cut_plate({{{0.0, 0.58}, {1.0, 0.58}}}));
+  const double nu = body.options.law.poisson;
+  const auto pulled = [&](const Vector<2>& x, Side side) -> Vector<2> {
+    const double e = side == Side::plus ? -0.02 : 0.01;
+    return {e * x.x(), -nu * e * x.y() + 0.03 * xfem::step(side)};
+  };
+  std::vector<double> displacement;
+  for (const Vector<2>& x : body.mesh.points()) {
+    const Vector<2> u = pulled(x, x.y() > 0.58 ? Side::plus : Side::minus);
+    displacement.insert(displacement.end(), {u.x(), u.y()});
+  }
+  const auto stress = fem::nodal_stress({body.mesh, body.options.law, Kinematics::small}, displacement);
+  for (Index v = 0; v < body.mesh.owned_vertices(); ++v) {
+    const auto at = static_cast<std::size_t>(3 * v);
+    EXPECT_NEAR(stress[at], 10.0 * (body.mesh.point(v).y() > 0.58 ? -0.02 : 0.01), 1e-13);
+    EXPECT_NEAR(stress[at + 1], 0.0, 1e-13);
   }
 }
 
