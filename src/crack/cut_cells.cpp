@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pdx::crack {
 namespace {
@@ -35,7 +36,7 @@ public:
     for (std::size_t k = 0; k < 4; ++k) {
       const Index a = corners[k], b = corners[(k + 1) % 4];
       if ((distance[static_cast<std::size_t>(a)] > 0.0) == (distance[static_cast<std::size_t>(b)] > 0.0)) continue;
-      if (!reaches(point(std::min(a, b)), point(std::max(a, b)))) continue; // alike in both cells
+      if (!reaches(point(a), point(b))) continue;
       cut.edges = static_cast<std::uint8_t>(cut.edges | 1u << k);
       ++crossed;
     }
@@ -52,7 +53,8 @@ private:
   /// Of an edge whose ends are on different sides: is it the crack that parts them, not its prolongation?
   bool reaches(const Vector<2>& a, const Vector<2>& b) const
   {
-    const Vector<2> at = crossing(a, b);
+    const bool ordered = std::pair(a.x(), a.y()) < std::pair(b.x(), b.y()); // alike in both cells and on every rank
+    const Vector<2> at = ordered ? crossing(a, b) : crossing(b, a);
     const double slack = tolerance_ + kRounding * (b - a).norm();
     return std::abs(cracks_.signed_distance(crack_, at)) <= slack && cracks_.beyond(crack_, at) <= slack;
   }

@@ -15,8 +15,10 @@ Vector<2> reference_point(const fem::Corners& corners, const Vector<2>& x)
 std::vector<PartPoint> polygon_points(const fem::Corners& corners, const geom::Polygon& part)
 {
   std::vector<PartPoint> points;
-  for (const auto& [x, weight] : geom::quadrature(part))
-    points.push_back({fem::map_point(corners, reference_point(corners, x)).gradients, weight});
+  for (const auto& [x, weight] : geom::quadrature(part)) {
+    const Vector<2> xi = reference_point(corners, x);
+    points.push_back({fem::map_point(corners, xi).gradients, weight, fem::shape(xi)});
+  }
   return points;
 }
 
@@ -34,8 +36,9 @@ CutCell cut_by_grid(const fem::Corners& corners, const CornerDistances& distance
     for (int i = 0; i < subcells; ++i) {
       const Vector<2> xi((i + 0.5) * side - 1.0, (j + 0.5) * side - 1.0);
       const fem::CellPoint at = fem::map_point(corners, xi);
-      const double here = fem::shape(xi).dot(Eigen::Map<const Eigen::Vector4d>(distance.data()));
-      cell.parts[static_cast<std::size_t>(side_of(here))].push_back({at.gradients, at.jacobian * side * side});
+      const Eigen::Vector4d shape = fem::shape(xi);
+      const double here = shape.dot(Eigen::Map<const Eigen::Vector4d>(distance.data()));
+      cell.parts[static_cast<std::size_t>(side_of(here))].push_back({at.gradients, at.jacobian * side * side, shape});
     }
   return cell;
 }
@@ -52,7 +55,7 @@ CutCell whole_cell(const fem::Corners& corners, Side side)
   const fem::Gradients points = fem::gauss_points();
   for (int g = 0; g < 4; ++g) {
     const fem::CellPoint at = fem::map_point(corners, points.col(g));
-    cell.parts[static_cast<std::size_t>(side)].push_back({at.gradients, at.jacobian});
+    cell.parts[static_cast<std::size_t>(side)].push_back({at.gradients, at.jacobian, fem::shape(points.col(g))});
   }
   return cell;
 }

@@ -8,7 +8,8 @@ Eigen::Matrix<double, 3, 4> corner_stress(const Corners& corners, const ElementV
                                           const law::Elastic& law, Kinematics kinematics);
 
 /// Nodal Cauchy stress (xx, yy, xy) [Pa] at the owned vertices: mean over all their cells, plain and covered, of the
-/// stress at their corner.
+/// stress at their corner. Cells that a crack cuts are left out, as their strain is not that of their nodes; a node
+/// with no other cells has 0.
 /// @param displacement 2 per local vertex [m]   @return 3 per owned vertex
 std::vector<double> nodal_stress(const ElasticBody& body, std::span<const double> displacement);
 } // namespace pdx::fem

@@ -22,6 +22,7 @@ using CornerDistances = std::array<double, 4>;
 struct PartPoint {
   fem::Gradients gradients; ///< dN_a / dx [1/m]
   double area;              ///< its weight [m^2]
+  Eigen::Vector4d shape;    ///< N_a [-]
 };
 
 /// Quadrature points of a cell, by side of the crack. Reference geometry only.

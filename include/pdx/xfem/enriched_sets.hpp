@@ -16,8 +16,9 @@ struct CutElement {
   Index cell = 0;
   int crack = 0;
   std::optional<Side> snapped; ///< a sliver so small that the whole cell moves with this side
+  CornerDistances distance; ///< of its corners; those within the tolerance of the crack count as on the plus side [m]
   EnrichedElement element;
-  std::array<PetscInt, 4> sets{-1, -1, -1, -1}; ///< global row of each corner's set, -1 for none
+  std::array<PetscInt, 4> sets{-1, -1, -1, -1}; ///< global row of each corner's set, -1 for none or before `number`
 };
 
 /// What cutting a mesh came to, on all ranks.
@@ -31,8 +32,10 @@ struct CutReport {
 /// same answer on any number of ranks.
 class EnrichedSets {
 public:
-  /// Cuts the plain cells (Use::cut from then on; covered ones stay as they are). Throws UserError naming the place
-  /// where two cracks cut one cell. Collective.
+  /// Cuts the plain cells (Use::cut from then on; covered ones stay as they are: bonds carry their cracks, and a crack
+  /// that runs on into one is open where it leaves the elements). A crack within 1e-9 of the mesh's smallest edge of a
+  /// node passes on the node's right. Throws UserError naming the first cell that two cracks cut. `cracks` must outlive
+  /// this. Collective.
   EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, const EnrichmentRule& rule);
 
   /// Sets of owned vertices, in order of rows: ascending local vertex, then crack.
@@ -40,16 +43,23 @@ public:
   std::span<const Index> vertices() const { return vertices_; } ///< local vertex of each owned set
   /// Owned set k has global row first + k; tells it to the ranks that have copies. Collective.
   void number(PetscInt first);
-  std::span<const EnrichedSet> of(Index vertex) const; ///< sets of a local vertex, by crack
+  std::span<const EnrichedSet> of(Index vertex) const; ///< all sets of a local vertex, halo included, by crack
 
   std::span<const CutElement> cells() const { return cells_; } ///< local cut cells, ascending by cell
   const CutElement* cut(Index cell) const;                     ///< of a local cell; nullptr if no crack cuts it
   const CutReport& report() const { return report_; }
   const crack::CrackSet& cracks() const { return cracks_; }
-  /// Side of a point of a cut cell, which moves as a whole if snapped.
+  /// Side of a point of a cut cell, which moves as a whole if snapped. Exact, as for bonds: no tolerance.
   Side side_in(const CutElement& cut, const Vector<2>& x) const;
 
 private:
+  void keep_sets(const Enrichment& enrichment);
+  void keep_cells(const MeshView& view, std::span<const CellCut> cuts, const Enrichment& enrichment,
+                  Quadrature quadrature);
+  void count(const Enrichment& enrichment);
+  EnrichedSet* find(Index vertex, int crack);
+
+  const mesh::Mesh& mesh_;
   const crack::CrackSet& cracks_;
   std::vector<Index> vertices_;
   std::vector<std::size_t> offsets_; // per local vertex, into sets_
