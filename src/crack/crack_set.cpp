@@ -12,6 +12,16 @@ namespace pdx::crack {
 namespace {
 constexpr double kSurface = 1e-9; // of the body's size: an end this near to its surface is on it
 constexpr double kProlong = 1e-3; // of the body's size
+/// Of the prolongation: lattices like to have bonds through the tip itself, which rounding must not cut.
+constexpr double kTipShare = 1e-9;
+
+/// Distance of x from the line through a and b, the same for (b, a).
+double distance(const Vector<2>& x, Vector<2> a, Vector<2> b)
+{
+  if (std::pair(b[0], b[1]) < std::pair(a[0], a[1])) std::swap(a, b);
+  const Vector<2> along = b - a, to = x - a;
+  return std::abs(along[0] * to[1] - along[1] * to[0]) / along.norm();
+}
 
 Vector<2> direction(const Vector<2>& from, const Vector<2>& to) { return (to - from).normalized(); }
 double cross(const Vector<2>& a, const Vector<2>& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -71,13 +81,14 @@ CrackSet::CrackSet(std::vector<Polyline> cracks, const Inside& inside, double pr
 
 void CrackSet::add(Polyline points, const Inside& inside, double prolong)
 {
-  Crack crack{points, points, {}};
+  Crack crack{points, points, {}, {}, kTipShare * prolong};
   const std::size_t end = points.size() - 1;
   for (const bool last : {false, true}) {
     const Vector<2>& at = last ? points[end] : points[0];
     const Vector<2> out = last ? direction(points[end - 1], at) : direction(points[1], at);
     if (inside(at)) {
       tips_.push_back({size(), last, at, out});
+      crack.tips.push_back(at);
       continue;
     }
     const Vector<2> further = at + prolong * out;
@@ -143,7 +154,9 @@ bool CrackSet::cuts(int crack, const Vector<2>& a, const Vector<2>& b) const
   const Crack& c = cracks_[static_cast<std::size_t>(crack)];
   if ((a.cwiseMin(b).array() > c.bounds.upper.array()).any() || (a.cwiseMax(b).array() < c.bounds.lower.array()).any())
     return false;
-  return parts(c.seen, a, b);
+  if (!parts(c.seen, a, b)) return false;
+  return std::none_of(c.tips.begin(), c.tips.end(),
+                      [&](const Vector<2>& tip) { return distance(tip, a, b) < c.tip_reach; });
 }
 
 bool CrackSet::cuts(const Vector<2>& a, const Vector<2>& b) const

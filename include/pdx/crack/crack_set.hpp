@@ -50,8 +50,8 @@ public:
   double beyond(int crack, const Vector<2>& x) const;
 
   /// Does the crack part the straight bond from a to b: does the bond change sides anywhere on its way? A bond that
-  /// meets only a tip stays, as does one that touches a corner from outside or runs along the crack; one through an
-  /// inner corner from side to side is cut. The same for (b, a).
+  /// meets only a tip (to 1e-12 of the body's size) stays, as does one that touches a corner from outside or runs along
+  /// the crack; one through an inner corner from side to side is cut. The same for (b, a).
   bool cuts(int crack, const Vector<2>& a, const Vector<2>& b) const;
   bool cuts(const Vector<2>& a, const Vector<2>& b) const; ///< by any crack
   /// May a bond with an end at x, at most `reach` [m] long, be cut by any crack? Quick, and true rather too often.
@@ -61,6 +61,8 @@ private:
   struct Crack {
     Polyline given, seen; ///< seen: mouths prolonged
     geom::Box<2> bounds;  ///< of seen
+    Polyline tips;        ///< ends inside the body
+    double tip_reach;     ///< a bond that passes a tip this near meets only the tip [m]
   };
   struct Foot;
   Foot foot(int crack, const Vector<2>& x) const;
