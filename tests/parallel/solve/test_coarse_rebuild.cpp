@@ -100,7 +100,8 @@ Solved solve_strip(bool growing)
   system.terms.push_back(std::make_unique<test::Springs>(springs));
   system.after.push_back(std::make_unique<test::SpringBreaker>(springs, scene.rows().comm));
   if (growing) system.coarse = std::make_unique<GrowingCoarse>(std::move(system.coarse));
-  Solved solved{scene.rows().vector()};
+  Solved solved;
+  solved.u = scene.rows().vector();
   solve::StaticDriver driver(system, {.load_steps = 1, .rebuild_factor = 0.0});
   driver.run(solved.u.get(), [](const solve::Step&, Vec) {});
   solved.report = driver.report();
