@@ -29,7 +29,7 @@ const std::vector<double>& elements_only()
     const app::SceneOptions options = with_patch();
     mesh::MeshOptions mesh_options = options.mesh;
     const app::PatchPlan plan = app::plan_patches(options, mesh_options);
-    const mesh::Mesh mesh = mesh::build(PETSC_COMM_WORLD, mesh_options, app::cell_cost(plan));
+    mesh::Mesh mesh = mesh::build(PETSC_COMM_WORLD, mesh_options, app::cell_cost(plan));
     const auto d = app::discretise(mesh, options, {}, {}, true);
     solve::StaticDriver driver(d->system, {1, true});
     const VecHandle u = d->system.rows.vector();
