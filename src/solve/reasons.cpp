@@ -50,7 +50,8 @@ std::string reason_of_failure(SNES snes)
   PDX_CALL(SNESGetKSP(snes, &ksp));
   KSPConvergedReason linear = KSP_CONVERGED_ITERATING;
   PDX_CALL(KSPGetConvergedReason(ksp, &linear));
-  if (reason >= 0 && linear >= 0) return "";
+  if (reason >= 0 && (linear >= 0 || iterations == 0))
+    return ""; // without an iteration the linear reason is an old one
   if (reason == SNES_DIVERGED_LINEAR_SOLVE || linear < 0) return linear_reason(ksp);
   switch (reason) {
   case SNES_DIVERGED_LINE_SEARCH:

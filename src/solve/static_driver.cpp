@@ -4,13 +4,25 @@
 #include "pdx/solve/reasons.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 
 namespace pdx::solve {
 namespace {
 constexpr double kRelativeTolerance = 1e-10; // of the true residual norm
 constexpr PetscInt kMostIterations = 2000;
 constexpr PetscInt kGmresRestart = 60;
+constexpr const char* kUnstable =
+    "unstable growth: the crack grows without any more load, and under load control there may be no equilibrium beyond "
+    "this load; prescribe displacements instead of forces, or allow smaller increments; what stopped it: ";
+
+bool given(const char* option)
+{
+  PetscBool set = PETSC_FALSE;
+  PDX_CALL(PetscOptionsHasName(nullptr, nullptr, option, &set));
+  return set;
+}
 } // namespace
 
 bool works_matrix_free(std::string_view pc_type)
@@ -19,7 +31,8 @@ bool works_matrix_free(std::string_view pc_type)
 }
 
 StaticDriver::StaticDriver(const field::System& system, const StaticOptions& options)
-    : system_(system), options_(options), tangent_(system, options.assembled || !system.coarse)
+    : system_(system), options_(options), tangent_(system, options.assembled || !system.coarse),
+      rule_(options.rebuild_factor), start_(system.rows.vector())
 {
   if (!tangent_.assembled()) two_level_ = std::make_unique<TwoLevel>(system, tangent_);
   configure();
@@ -38,35 +51,39 @@ void StaticDriver::configure()
   if (system_.linear()) {
     PDX_CALL(SNESSetLagJacobian(snes, -2));
     PDX_CALL(SNESSetLagJacobianPersists(snes, PETSC_TRUE));
-    PDX_CALL(SNESSetLagPreconditioner(snes, -2));
-    PDX_CALL(SNESSetLagPreconditionerPersists(snes, PETSC_TRUE));
   }
-  KSP ksp = nullptr;
-  PC pc = nullptr;
-  PDX_CALL(SNESGetKSP(snes, &ksp));
-  PDX_CALL(KSPSetType(ksp, system_.symmetric() ? KSPCG : KSPGMRES));
+  PDX_CALL(SNESGetKSP(snes, &ksp_));
+  PDX_CALL(KSPSetType(ksp_, system_.symmetric() ? KSPCG : KSPGMRES));
   if (!system_.symmetric()) {
-    PDX_CALL(KSPGMRESSetRestart(ksp, kGmresRestart));
-    PDX_CALL(KSPSetPCSide(ksp, PC_RIGHT));
+    PDX_CALL(KSPGMRESSetRestart(ksp_, kGmresRestart));
+    PDX_CALL(KSPSetPCSide(ksp_, PC_RIGHT));
   }
-  PDX_CALL(KSPSetTolerances(ksp, kRelativeTolerance, PETSC_DEFAULT, PETSC_DEFAULT, kMostIterations));
-  PDX_CALL(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
-  PDX_CALL(KSPGetPC(ksp, &pc));
+  PDX_CALL(KSPSetTolerances(ksp_, kRelativeTolerance, PETSC_DEFAULT, PETSC_DEFAULT, kMostIterations));
+  PDX_CALL(KSPSetNormType(ksp_, KSP_NORM_UNPRECONDITIONED));
+  PDX_CALL(KSPGetPC(ksp_, &pc_));
   if (two_level_)
-    two_level_->configure(pc);
+    two_level_->configure(pc_);
   else
-    PDX_CALL(PCSetType(pc, PCHYPRE));
+    PDX_CALL(PCSetType(pc_, PCHYPRE));
   PDX_CALL(SNESSetFromOptions(snes));
-  refuse_wrong_krylov(ksp, pc);
+  refuse_wrong_krylov();
+  KSPType krylov = nullptr;
+  PDX_CALL(KSPGetType(ksp_, &krylov));
+  follows_ = std::string_view(krylov) == KSPPREONLY;
+  lags_jacobian_ = given("-snes_lag_jacobian");
+  lags_preconditioner_ = given("-snes_lag_preconditioner");
+  const bool warm = options_.load_steps > 1 || !system_.after.empty();
+  own_krylov_tolerance_ = warm && !given("-ksp_rtol") && !given("-ksp_atol");
+  own_newton_tolerance_ = warm && !given("-snes_rtol") && !given("-snes_atol");
 }
 
 /// A Krylov method that cannot solve this system would end far from the answer, or in PETSc's own words.
-void StaticDriver::refuse_wrong_krylov(KSP ksp, PC pc) const
+void StaticDriver::refuse_wrong_krylov() const
 {
   KSPType krylov = nullptr;
   PCType type = nullptr;
-  PDX_CALL(KSPGetType(ksp, &krylov));
-  PDX_CALL(PCGetType(pc, &type));
+  PDX_CALL(KSPGetType(ksp_, &krylov));
+  PDX_CALL(PCGetType(pc_, &type));
   const std::string_view method = krylov, preconditioner = type;
   const bool direct = preconditioner == PCLU || preconditioner == PCCHOLESKY || preconditioner == PCREDUNDANT;
   if (method == KSPPREONLY && !direct)
@@ -123,29 +140,51 @@ PetscErrorCode StaticDriver::residual(SNES, Vec u, Vec r, void* context)
     std::vector<double> state(at, at + self->system_.load.size());
     for (std::size_t k = 0; k < components.size(); ++k)
       state[static_cast<std::size_t>(components[k])] = self->load_ * targets[k];
-    const std::vector<double> force = self->unbalanced_force(state, self->load_);
+    std::vector<double> force = self->unbalanced_force(state, self->load_);
+    self->tangent_.drop_held(force);
     PDX_CALL(VecGetArrayWrite(r, &to));
     std::copy(force.begin(), force.end(), to);
     for (std::size_t k = 0; k < components.size(); ++k)
       to[components[k]] = self->system_.scale * (at[components[k]] - self->load_ * targets[k]);
+    if (std::exchange(self->new_load_, false)) self->set_tolerances(force, {to, force.size()});
     PDX_CALL(VecRestoreArrayRead(u, &at));
     PDX_CALL(VecRestoreArrayWrite(r, &to));
   });
 }
 
-PetscErrorCode StaticDriver::jacobian(SNES snes, Vec u, Mat operator_matrix, Mat, void* context)
+/// A warm start leaves a small residual; what counts is its size beside the forces at this load: loads and reactions,
+/// or the residual that the new load made.
+/// @param force internal force - load of all components [N]
+void StaticDriver::set_tolerances(std::span<const double> force, std::span<const double> residual)
+{
+  if (!own_krylov_tolerance_ && !own_newton_tolerance_) return;
+  std::vector<double> outer(system_.load.size());
+  for (std::size_t k = 0; k < outer.size(); ++k) outer[k] = load_ * system_.load[k];
+  for (const Index k : system_.prescribed.components)
+    outer[static_cast<std::size_t>(k)] += force[static_cast<std::size_t>(k)];
+  double squares[2] = {std::inner_product(outer.begin(), outer.end(), outer.begin(), 0.0),
+                       std::inner_product(residual.begin(), residual.end(), residual.begin(), 0.0)};
+  MPI_Allreduce(MPI_IN_PLACE, squares, 2, MPI_DOUBLE, MPI_SUM, system_.rows.comm);
+  const double reference = std::sqrt(std::max(squares[0], squares[1]));
+  PetscReal relative = 0.0;
+  if (own_krylov_tolerance_) {
+    PDX_CALL(KSPGetTolerances(ksp_, &relative, nullptr, nullptr, nullptr));
+    PDX_CALL(KSPSetTolerances(ksp_, PETSC_DEFAULT, relative * reference, PETSC_DEFAULT, PETSC_DEFAULT));
+  }
+  if (own_newton_tolerance_) {
+    PDX_CALL(SNESGetTolerances(snes_.get(), nullptr, &relative, nullptr, nullptr, nullptr));
+    PDX_CALL(SNESSetTolerances(snes_.get(), relative * reference, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
+                               PETSC_DEFAULT));
+  }
+}
+
+PetscErrorCode StaticDriver::jacobian(SNES, Vec u, Mat operator_matrix, Mat, void* context)
 {
   return guard([&] {
     auto* self = static_cast<StaticDriver*>(context);
     self->system_.halo->gather(u, self->local_);
-    self->tangent_.update(self->local_);
-    if (self->two_level_) {
-      KSP ksp = nullptr;
-      PC pc = nullptr;
-      PDX_CALL(SNESGetKSP(snes, &ksp));
-      PDX_CALL(KSPGetPC(ksp, &pc));
-      self->two_level_->update(pc, self->local_);
-    }
+    if (!std::exchange(self->tangent_is_there_, false)) self->tangent_.update(self->local_);
+    self->renew_preconditioner();
     if (operator_matrix != self->tangent_.matrix()) { // -snes_mf_operator
       PDX_CALL(MatAssemblyBegin(operator_matrix, MAT_FINAL_ASSEMBLY));
       PDX_CALL(MatAssemblyEnd(operator_matrix, MAT_FINAL_ASSEMBLY));
@@ -153,57 +192,167 @@ PetscErrorCode StaticDriver::jacobian(SNES snes, Vec u, Mat operator_matrix, Mat
   });
 }
 
-PetscErrorCode StaticDriver::record(SNES, PetscInt, PetscReal norm, void* context)
+/// Tells PETSc, which asks after each tangent, whether to keep the preconditioner.
+void StaticDriver::renew_preconditioner()
 {
-  return guard([&] { static_cast<StaticDriver*>(context)->report_.norms.back().push_back(norm); });
+  const bool build = lags_preconditioner_ || follows_ || rule_.wants_build();
+  if (!lags_preconditioner_) PDX_CALL(SNESSetLagPreconditioner(snes_.get(), build ? -2 : -1));
+  if (!build) return;
+  if (two_level_) two_level_->update(pc_, local_);
+  rule_.built();
+  built_at_ = tangent_.assemblies();
+  held_at_build_ = tangent_.held_rows();
+  ++report_.preconditioner_builds;
 }
 
-void StaticDriver::attempt(Vec u)
+void StaticDriver::judge_preconditioner(double first_residual)
+{
+  PetscInt iterations = 0;
+  PetscReal last_residual = 0.0;
+  KSPNormType type = KSP_NORM_DEFAULT;
+  PDX_CALL(KSPGetIterationNumber(ksp_, &iterations));
+  PDX_CALL(KSPGetResidualNorm(ksp_, &last_residual));
+  PDX_CALL(KSPGetNormType(ksp_, &type));
+  const bool comparable = type == KSP_NORM_UNPRECONDITIONED && first_residual > 0.0 && last_residual > 0.0;
+  rule_.solved(iterations, comparable ? std::log10(first_residual / last_residual) : 1.0);
+}
+
+PetscErrorCode StaticDriver::record(SNES, PetscInt iteration, PetscReal norm, void* context)
+{
+  return guard([&] {
+    auto* self = static_cast<StaticDriver*>(context);
+    std::vector<double>& norms = self->report_.norms.back();
+    if (iteration > 0) self->judge_preconditioner(norms.back());
+    norms.push_back(norm);
+  });
+}
+
+/// The residual drops what hits rows without stiffness, so the tangent that knows them comes first.
+void StaticDriver::prepare(Vec u)
+{
+  if (stale_) {
+    system_.halo->gather(u, local_);
+    tangent_.update(local_);
+    // Holding a row adds stiffness, which the kept smoother does not know.
+    if (tangent_.held_rows() > held_at_build_) rule_.demand();
+  }
+  const bool again = stale_ || (system_.linear() && rule_.wants_build() && preconditioner_is_behind());
+  tangent_is_there_ = again;
+  stale_ = false;
+  if (again && system_.linear() && !lags_jacobian_) PDX_CALL(SNESSetLagJacobian(snes_.get(), -2));
+}
+
+/// @return why it failed, "" if it did not
+std::string StaticDriver::attempt(Vec u)
 {
   PetscInt newton = 0, linear = 0;
   const double begin = MPI_Wtime();
   report_.norms.emplace_back();
   prescribe(u, load_);
+  prepare(u);
   PDX_CALL(SNESSolve(snes_.get(), nullptr, u));
   report_.seconds += MPI_Wtime() - begin;
   PDX_CALL(SNESGetIterationNumber(snes_.get(), &newton));
   PDX_CALL(SNESGetLinearSolveIterations(snes_.get(), &linear));
+  ++report_.solves;
   report_.newton_iterations += newton;
   report_.linear_iterations += linear;
+  report_.solve_iterations.push_back(linear);
   report_.jacobian_assemblies = tangent_.assemblies();
-  report_.preconditioner_builds = two_level_ ? two_level_->builds() : tangent_.assemblies();
+  report_.held_rows = tangent_.held_rows();
+  return reason_of_failure(snes_.get());
 }
 
-/// If the linear solver fails, the smoother's fast interval may be too short for this scene: once, with the safe one.
-void StaticDriver::solve(int step, Vec u)
+std::string StaticDriver::repeat(Vec u)
+{
+  PDX_CALL(VecCopy(start_.get(), u));
+  return attempt(u);
+}
+
+/// If the linear solver fails, the preconditioner may be too old; or the smoother's fast interval may be too short for
+/// this scene: once, with the safe one.
+std::string StaticDriver::solve(Vec u)
 {
   static Event event("solve_load");
   Timed timed(event);
-  const VecHandle start = system_.rows.vector();
-  PDX_CALL(VecCopy(u, start.get()));
-  attempt(u);
-  std::string why = reason_of_failure(snes_.get());
-  KSP ksp = nullptr;
-  PC pc = nullptr;
-  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-  PDX_CALL(SNESGetKSP(snes_.get(), &ksp));
-  PDX_CALL(KSPGetPC(ksp, &pc));
-  PDX_CALL(KSPGetConvergedReason(ksp, &reason));
-  if (!why.empty() && reason < 0 && two_level_ && two_level_->widen(pc)) {
-    PDX_CALL(VecCopy(start.get(), u));
-    attempt(u);
-    why = reason_of_failure(snes_.get());
+  PDX_CALL(VecCopy(u, start_.get()));
+  const auto linear_solver_failed = [&] {
+    KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+    PDX_CALL(KSPGetConvergedReason(ksp_, &reason));
+    return reason < 0;
+  };
+  std::string why = attempt(u);
+  if (!why.empty() && linear_solver_failed() && !follows_ && preconditioner_is_behind()) {
+    rule_.demand();
+    follows_ = true;
+    why = repeat(u);
+    follows_ = false;
   }
-  if (!why.empty()) throw SolverFailure(fmt::format("load step {} of {} failed: {}", step, options_.load_steps, why));
+  if (!why.empty() && linear_solver_failed() && two_level_ && two_level_->widen(pc_)) why = repeat(u);
+  return why;
+}
+
+/// @return why there is none, "" if all AfterSolves are quiet
+std::string StaticDriver::equilibrium(Step& step, Vec u)
+{
+  load_ = step.load;
+  new_load_ = true;
+  const int before = report_.linear_iterations;
+  for (std::int64_t changes = 1; changes > 0; step.changes += changes) {
+    if (step.passes == options_.max_passes)
+      return fmt::format("it is not quiet after {} passes; allow more passes or halvings", step.passes);
+    ++step.passes;
+    const std::string why = solve(u);
+    step.iterations = report_.linear_iterations - before;
+    if (!why.empty()) return why;
+    changes = 0;
+    if (system_.after.empty()) break;
+    system_.halo->gather(u, local_);
+    for (const auto& after : system_.after) changes += after->apply(local_);
+    if (changes > 0) stale_ = true;
+    if (options_.max_changes > 0 && step.changes + changes > options_.max_changes) {
+      step.changes += changes;
+      return fmt::format("more than {} changes in one increment; allow more changes or halvings", options_.max_changes);
+    }
+  }
+  return "";
+}
+
+/// What broke in a rejected increment is whole again, so a preconditioner built meanwhile is too soft.
+void StaticDriver::restore(Vec saved, Vec u, bool changed)
+{
+  PDX_CALL(VecCopy(saved, u));
+  if (!changed) return;
+  for (const auto& after : system_.after) after->restore();
+  stale_ = true;
+  rule_.demand();
 }
 
 void StaticDriver::run(Vec u, const Accepted& accepted)
 {
-  for (int step = 1; step <= options_.load_steps; ++step) {
-    load_ = static_cast<double>(step) / options_.load_steps;
-    solve(step, u);
-    report_.steps = step;
-    accepted(step, u);
+  LoadPath path(options_.load_steps, options_.max_halvings);
+  const VecHandle saved = system_.rows.vector();
+  while (!path.done()) {
+    PDX_CALL(VecCopy(u, saved.get()));
+    for (const auto& after : system_.after) after->save();
+    Step step{report_.steps + 1, path.target()};
+    const std::string why = equilibrium(step, u);
+    if (why.empty()) {
+      path.advance();
+      report_.steps = step.number;
+      report_.passes += step.passes;
+      report_.changes += step.changes;
+      accepted(step, u);
+      continue;
+    }
+    restore(saved.get(), u, step.changes > 0);
+    // A linear solver that fails at one load fails at any.
+    const bool hopeless = system_.linear() && step.changes == 0;
+    const std::string where = fmt::format(
+        "load step {} of {} failed at load {:.6g} ({}{} passes, {} changes): ", path.increment(), options_.load_steps,
+        step.load, report_.halvings ? fmt::format("increment {:.3g}, ", path.size()) : "", step.passes, step.changes);
+    if (hopeless || !path.halve()) throw SolverFailure(where + (step.changes > 0 ? kUnstable : "") + why);
+    ++report_.halvings;
   }
 }
 } // namespace pdx::solve

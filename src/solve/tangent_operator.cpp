@@ -3,9 +3,14 @@
 #include "pdx/base/events.hpp"
 #include "pdx/solve/rigid_modes.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace pdx::solve {
+namespace {
+constexpr double kNoStiffness = 1e-9; // of the scene's scale
+} // namespace
+
 TangentOperator::TangentOperator(const field::System& system, bool assembled) : system_(system), assembled_(assembled)
 {
   held_components_ = system.prescribed.components;
@@ -63,15 +68,75 @@ void TangentOperator::update(std::span<const double> u)
   static Event event("solve_jacobian");
   Timed timed(event);
   for (const auto& term : system_.terms) term->linearise(u);
-  if (assemblies_) PDX_CALL(MatZeroEntries(sparse_.get()));
+  if (assemblies_)
+    PDX_CALL(MatZeroEntries(sparse_.get()));
+  else
+    reserve_diagonal();
   field::BlockAdder adder(sparse_.get(), *system_.halo, system_.held);
   for (const auto& term : system_.terms) term->add_jacobian(adder, assembled_);
   adder.finish(system_.scale);
+  hold_weak_rows();
   if (shell_) { // tells solvers that the operator changed
     PDX_CALL(MatAssemblyBegin(shell_.get(), MAT_FINAL_ASSEMBLY));
     PDX_CALL(MatAssemblyEnd(shell_.get(), MAT_FINAL_ASSEMBLY));
   }
   ++assemblies_;
+}
+
+/// Assembly gives back places where nothing was put; a row without any stiffness needs its own later.
+void TangentOperator::reserve_diagonal()
+{
+  const field::Rows& rows = system_.rows;
+  const Block nothing = Block::Zero(rows.dim, rows.dim);
+  for (PetscInt row = rows.first; row < rows.first + rows.owned(); ++row)
+    PDX_CALL(MatSetValuesBlocked(sparse_.get(), 1, &row, 1, &row, nothing.data(), ADD_VALUES));
+}
+
+TangentOperator::Block TangentOperator::diagonal_block(Index row) const
+{
+  const int dim = system_.rows.dim;
+  std::array<PetscInt, 3> at{};
+  for (int a = 0; a < dim; ++a) at[static_cast<std::size_t>(a)] = (system_.rows.first + row) * dim + a;
+  Block block(dim, dim);
+  PDX_CALL(MatGetValues(sparse_.get(), dim, at.data(), dim, at.data(), block.data()));
+  return block;
+}
+
+void TangentOperator::hold_weak_rows()
+{
+  std::vector<Index> candidates;
+  for (const auto& term : system_.terms) term->weak_rows(candidates);
+  std::sort(candidates.begin(), candidates.end());
+  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+  weak_.clear();
+  for (const Index row : candidates) {
+    const Block block = diagonal_block(row);
+    const Eigen::SelfAdjointEigenSolver<Block> modes(0.5 * (block + block.transpose()));
+    Block free = Block::Zero(block.rows(), block.cols());
+    for (int k = 0; k < system_.rows.dim; ++k)
+      if (modes.eigenvalues()[k] < kNoStiffness * system_.scale)
+        free += modes.eigenvectors().col(k) * modes.eigenvectors().col(k).transpose();
+    if (!free.isZero()) weak_.push_back({row, free});
+  }
+  held_rows_ = static_cast<std::int64_t>(weak_.size());
+  MPI_Allreduce(MPI_IN_PLACE, &held_rows_, 1, MPI_INT64_T, MPI_SUM, system_.rows.comm);
+  if (!held_rows_) return;
+  for (const WeakRow& weak : weak_) {
+    const PetscInt row = system_.rows.first + weak.row;
+    const Block stiffness = system_.scale * weak.free;
+    PDX_CALL(MatSetValuesBlocked(sparse_.get(), 1, &row, 1, &row, stiffness.data(), ADD_VALUES));
+  }
+  PDX_CALL(MatAssemblyBegin(sparse_.get(), MAT_FINAL_ASSEMBLY));
+  PDX_CALL(MatAssemblyEnd(sparse_.get(), MAT_FINAL_ASSEMBLY));
+}
+
+void TangentOperator::drop_held(std::span<double> r) const
+{
+  const int dim = system_.rows.dim;
+  for (const WeakRow& weak : weak_) {
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>> force(r.data() + weak.row * dim, dim);
+    force -= (weak.free * force).eval();
+  }
 }
 
 /// y = sparse x + what the Terms add; prescribed components pass through with `scale`, as in the sparse part.

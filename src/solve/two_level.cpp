@@ -30,20 +30,20 @@ bool all_sweeps_chosen()
 } // namespace
 
 TwoLevel::TwoLevel(const field::System& system, const TangentOperator& tangent)
-    : system_(system), tangent_(tangent), prolongation_(system, *system.coarse)
+    : system_(system), tangent_(tangent), prolongation_(std::make_unique<Prolongation>(system, *system.coarse))
 {}
 
 void TwoLevel::configure(PC pc)
 {
   PDX_CALL(PCSetType(pc, PCMG));
   PDX_CALL(PCMGSetLevels(pc, 2, nullptr));
-  PDX_CALL(PCMGSetInterpolation(pc, 1, prolongation_.matrix()));
-  PDX_CALL(PCMGSetRestriction(pc, 1, prolongation_.restriction()));
+  PDX_CALL(PCMGSetInterpolation(pc, 1, prolongation_->matrix()));
+  PDX_CALL(PCMGSetRestriction(pc, 1, prolongation_->restriction()));
   KSP smoother = nullptr, coarse = nullptr;
   PC inner = nullptr;
   PDX_CALL(PCMGGetSmoother(pc, 1, &smoother));
   PDX_CALL(KSPSetType(smoother, KSPCHEBYSHEV));
-  PDX_CALL(KSPChebyshevSetEigenvalues(smoother, kUpper, kLower));
+  PDX_CALL(KSPChebyshevSetEigenvalues(smoother, wide_ ? kBound : kUpper, kLower));
   PDX_CALL(KSPSetTolerances(smoother, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, kSmoothings));
   PDX_CALL(KSPSetNormType(smoother, KSP_NORM_NONE));
   PDX_CALL(KSPSetOperators(smoother, tangent_.matrix(), tangent_.matrix()));
@@ -63,7 +63,14 @@ void TwoLevel::update(PC pc, std::span<const double> u)
 {
   PetscBool used = PETSC_FALSE;
   PDX_CALL(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCMG, &used));
-  if (!used || (coarse_ && system_.linear())) return;
+  if (!used) return;
+  if (coarse_ && system_.coarse->rebuild()) {
+    // Levels keep vectors and matrices of the old size, and PETSc remakes them only with the whole preconditioner.
+    PDX_CALL(PCSetType(pc, PCNONE));
+    prolongation_ = std::make_unique<Prolongation>(system_, *system_.coarse);
+    configure(pc);
+    PDX_CALL(PCSetFromOptions(pc));
+  }
   coarse_ = system_.coarse->assemble(u);
   const NullSpaceHandle modes = rigid_modes(system_.coarse->halo().rows(), system_.coarse->coordinates());
   PDX_CALL(MatSetNearNullSpace(coarse_.get(), modes.get()));
@@ -71,7 +78,6 @@ void TwoLevel::update(PC pc, std::span<const double> u)
   KSP coarse = nullptr;
   PDX_CALL(PCMGGetCoarseSolve(pc, &coarse));
   PDX_CALL(KSPSetOperators(coarse, coarse_.get(), coarse_.get()));
-  ++builds_;
 }
 
 bool TwoLevel::widen(PC pc)

@@ -1,4 +1,6 @@
 #pragma once
+#include "pdx/solve/keep_rule.hpp"
+#include "pdx/solve/load_path.hpp"
 #include "pdx/solve/two_level.hpp"
 
 #include <functional>
@@ -7,17 +9,37 @@ namespace pdx::solve {
 /// How a static scene is solved; everything else is PETSc's (-snes_, -ksp_, -pc_, -mg_).
 struct StaticOptions {
   int load_steps = 1;
-  bool assembled = false; ///< one MATAIJ instead of the matrix-free two-level solver
+  bool assembled = false;       ///< one MATAIJ instead of the matrix-free two-level solver
+  int max_passes = 1000;        ///< solves at one load; more: the increment is halved
+  std::int64_t max_changes = 0; ///< of an increment; more: it is halved; 0: no limit
+  int max_halvings = 6;         ///< of an original increment, at most 30
+  double rebuild_factor = 1.3;  ///< growth of iterations at which the preconditioner is built anew, see KeepRule
 };
 
 /// What a run cost.
 struct StaticReport {
   int steps = 0, newton_iterations = 0, linear_iterations = 0, jacobian_assemblies = 0, preconditioner_builds = 0;
+  int solves = 0;                         ///< of SNES, those of rejected increments and repeated ones included
+  int passes = 0;                         ///< solves that accepted steps took, the quiet ones included
+  int halvings = 0;                       ///< increments that were rejected and tried with half their size
+  std::int64_t changes = 0;               ///< by AfterSolves in accepted steps
+  std::int64_t held_rows = 0;             ///< rows without stiffness in some direction, at the last tangent
   double seconds = 0.0;                   ///< assembly, set-up and solve [s]
-  std::vector<std::vector<double>> norms; ///< residual norms of each step's Newton iterations [N]
+  std::vector<int> solve_iterations;      ///< linear iterations of each solve
+  std::vector<std::vector<double>> norms; ///< residual norms of each solve's Newton iterations [N]
 };
 
-/// Quasi-static equilibrium by SNES: for each load, solve; call back; go on.
+/// An accepted load.
+struct Step {
+  int number = 0;           ///< accepted steps so far, this one included
+  double load = 0.0;        ///< [-]
+  int passes = 0;           ///< solves at this load; 1: quiet at once
+  std::int64_t changes = 0; ///< by AfterSolves at this load
+  int iterations = 0;       ///< of the linear solver at this load
+};
+
+/// Quasi-static equilibrium by SNES: for each load, solve and ask the AfterSolves, again until they are quiet; call
+/// back; go on. A load that cannot be reached is approached by halves.
 class StaticDriver {
 public:
   /// Sets up solver objects and reads PETSc's options. The system must be bound and outlive the driver. Collective.
@@ -25,9 +47,10 @@ public:
   StaticDriver(const StaticDriver&) = delete;
   StaticDriver& operator=(const StaticDriver&) = delete;
 
-  /// Called after each accepted load with its number (from 1) and the displacement.
-  using Accepted = std::function<void(int step, Vec u)>;
-  /// Runs all loads from the state in u. Throws SolverFailure (which step, why, what to try). Collective.
+  /// Called after each accepted load with the displacement.
+  using Accepted = std::function<void(const Step& step, Vec u)>;
+  /// Runs all loads from the state in u. Throws SolverFailure (which load, why, what to try); u and the AfterSolves are
+  /// then in the state accepted last. Collective.
   void run(Vec u, const Accepted& accepted);
   const StaticReport& report() const { return report_; }
   SNES snes() const { return snes_.get(); }
@@ -39,9 +62,17 @@ private:
   static PetscErrorCode jacobian(SNES, Vec u, Mat, Mat, void* self);
   static PetscErrorCode record(SNES, PetscInt iteration, PetscReal norm, void* self);
   void configure();
-  void refuse_wrong_krylov(KSP ksp, PC pc) const;
-  void solve(int step, Vec u);
-  void attempt(Vec u);
+  void refuse_wrong_krylov() const;
+  std::string equilibrium(Step& step, Vec u);
+  std::string solve(Vec u);
+  std::string repeat(Vec u);
+  std::string attempt(Vec u);
+  void prepare(Vec u);
+  void renew_preconditioner();
+  void judge_preconditioner(double first_residual);
+  bool preconditioner_is_behind() const { return built_at_ != tangent_.assemblies(); }
+  void set_tolerances(std::span<const double> force, std::span<const double> residual);
+  void restore(Vec saved, Vec u, bool changed);
   void prescribe(Vec u, double load) const;
   std::vector<double> unbalanced_force(std::span<const double> owned, double load) const;
 
@@ -50,6 +81,18 @@ private:
   TangentOperator tangent_;
   std::unique_ptr<TwoLevel> two_level_;
   SnesHandle snes_;
+  KSP ksp_ = nullptr;                                        // of snes_
+  PC pc_ = nullptr;                                          // of ksp_
+  bool lags_jacobian_ = false, lags_preconditioner_ = false; // the user chose
+  bool follows_ = false;                                     // the preconditioner is built anew with each tangent
+  bool own_krylov_tolerance_ = false, own_newton_tolerance_ = false;
+  bool new_load_ = false;         // the next residual is the first at its load
+  bool stale_ = true;             // Terms changed since the last tangent
+  bool tangent_is_there_ = false; // for the next iterate
+  KeepRule rule_;
+  int built_at_ = 0; // assemblies of the tangent at the last build of the preconditioner
+  std::int64_t held_at_build_ = 0;
+  VecHandle start_;
   double load_ = 0.0;
   mutable std::vector<double> local_;
   StaticReport report_;

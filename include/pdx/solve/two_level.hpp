@@ -11,19 +11,18 @@ public:
   TwoLevel(const field::System& system, const TangentOperator& tangent);
   /// Makes `pc` this preconditioner; options of the user may still change it.
   void configure(PC pc);
-  /// Takes the coarse operator at displacement u; does nothing if the user chose another PC. Collective.
+  /// Builds anew: coarse rows where they changed, coarse operator at displacement u (local blocks). Does nothing if
+  /// the user chose another PC. The smoother follows the tangent when PETSc sets `pc` up next. Collective.
   void update(PC pc, std::span<const double> u);
   /// Widens the smoother's interval to the bound that holds for any elements and bonds; false if it is there already
   /// or was chosen by the user.
   bool widen(PC pc);
-  int builds() const { return builds_; }
 
 private:
   const field::System& system_;
   const TangentOperator& tangent_;
-  Prolongation prolongation_;
+  std::unique_ptr<Prolongation> prolongation_;
   MatHandle coarse_;
-  int builds_ = 0;
   bool wide_ = false;
 };
 } // namespace pdx::solve

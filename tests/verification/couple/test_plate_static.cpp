@@ -29,11 +29,11 @@ const std::vector<double>& elements_only()
     const app::SceneOptions options = with_patch();
     mesh::MeshOptions mesh_options = options.mesh;
     const app::PatchPlan plan = app::plan_patches(options, mesh_options);
-    const mesh::Mesh mesh = mesh::build(PETSC_COMM_WORLD, mesh_options, app::cell_cost(plan));
+    mesh::Mesh mesh = mesh::build(PETSC_COMM_WORLD, mesh_options, app::cell_cost(plan));
     const auto d = app::discretise(mesh, options, {}, {}, true);
     solve::StaticDriver driver(d->system, {1, true});
     const VecHandle u = d->system.rows.vector();
-    driver.run(u.get(), [](int, Vec) {});
+    driver.run(u.get(), [](const solve::Step&, Vec) {});
     return d->vertex_displacement(u.get());
   }();
   return reference;
