@@ -113,7 +113,9 @@ std::vector<CoarseMesh::SplitRecord> CoarseMesh::split_vertices(Index& extra)
 void CoarseMesh::number(Index extra, std::span<const SplitRecord> mine)
 {
   const mesh::Mesh& mesh = body_.mesh;
-  rows_ = field::Rows::number(mesh.comm(), 2, mesh.owned_vertices() + extra, fine_.sets ? fine_.sets->owned() : 0, 0);
+  rows_ =
+      field::Rows::number(mesh.comm(), 2, mesh.owned_vertices() + extra + (fine_.sets ? fine_.sets->owned() : 0), 0, 0);
+  first_set_ = mesh.owned_vertices() + extra;
   const std::vector<PetscInt> rows = vertex_rows(mesh, rows_);
   std::vector<PetscInt> needed = rows;
   split_.clear();
@@ -133,11 +135,8 @@ void CoarseMesh::number(Index extra, std::span<const SplitRecord> mine)
       });
   }
   if (fine_.sets) {
-    const auto begins = [&](const field::Rows& r) {
-      return gather_all(mesh.comm(), std::vector<PetscInt>{r.first + r.nodes});
-    };
-    fine_sets_ = begins(system_.rows);
-    coarse_sets_ = begins(rows_);
+    fine_sets_ = gather_all(mesh.comm(), std::vector<PetscInt>{system_.rows.first + system_.rows.nodes});
+    coarse_sets_ = gather_all(mesh.comm(), std::vector<PetscInt>{rows_.first + first_set_});
     for (Index v = 0; v < mesh.vertices(); ++v)
       for (const xfem::EnrichedSet& set : fine_.sets->of(v)) {
         const auto rank = std::ranges::upper_bound(fine_sets_, set.row) - fine_sets_.begin() - 1;
@@ -159,7 +158,8 @@ void CoarseMesh::number(Index extra, std::span<const SplitRecord> mine)
   weak_.erase(std::unique(weak_.begin(), weak_.end()), weak_.end());
 }
 
-/// Coarse row of an enriched set from its row in the scene: the sets of a rank have the same order in both.
+/// Coarse row that stands for an enriched set, from its row in the scene: the sets of a rank have the same order in
+/// both.
 Index CoarseMesh::set_row(PetscInt fine) const
 {
   const auto rank = static_cast<std::size_t>(std::ranges::upper_bound(fine_sets_, fine) - fine_sets_.begin() - 1);
@@ -181,10 +181,11 @@ CoarseMesh::Corner CoarseMesh::corner(Index vertex, int patch, Index site, const
   Corner result{{local_rows_[v], 1.0}};
   if (!fine_.sets) return result;
   for (const xfem::EnrichedSet& set : fine_.sets->of(vertex)) {
-    const xfem::Side side = xfem::side_of(fine_.sets->cracks().side(set.crack, x));
-    const double factor = xfem::shifted_step(side, set.side);
-    if (factor != 0.0) result.push_back({set_row(set.row), factor});
+    if (xfem::side_of(fine_.sets->cracks().side(set.crack, x)) == set.side) continue;
+    result.front().factor -= 1.0;
+    result.push_back({set_row(set.row), 1.0});
   }
+  if (result.front().factor == 0.0) result.erase(result.begin());
   return result;
 }
 
@@ -247,15 +248,25 @@ void CoarseMesh::add_special(Index cell, const std::array<Corner, 4>& corners, d
   special_.push_back(std::move(special));
 }
 
+/// The cut element's unknowns (u, a) from the coarse rows: a = (v - u) / f where u + f a is the value v across the
+/// crack.
 void CoarseMesh::add_cut(const xfem::CutElement& cut)
 {
   const xfem::EnrichedMatrix k = xfem::enriched_tangent(cut.element, xfem::EnrichedVector::Zero(cut.element.unknowns()),
                                                         body_.law, fem::Kinematics::small);
   Special special;
   for (const Index v : body_.mesh.cell(cut.cell)) special.rows.push_back(local_rows_[static_cast<std::size_t>(v)]);
-  for (const PetscInt set : cut.sets)
-    if (set >= 0) special.rows.push_back(set_row(set));
-  special.stiffness.assign(k.data(), k.data() + k.size());
+  Eigen::MatrixXd map = Eigen::MatrixXd::Identity(k.rows(), k.cols());
+  for (std::size_t a = 0; a < 4; ++a) {
+    if (cut.sets[a] < 0) continue;
+    const auto at = 2 * static_cast<Eigen::Index>(special.rows.size());
+    const double factor = 1.0 / xfem::set_factor(cut, a, xfem::opposite(cut.element.side[a]));
+    map.block<2, 2>(at, at) = factor * Eigen::Matrix2d::Identity();
+    map.block<2, 2>(at, static_cast<Eigen::Index>(2 * a)) = -factor * Eigen::Matrix2d::Identity();
+    special.rows.push_back(set_row(cut.sets[a]));
+  }
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> coarse = map.transpose() * k * map;
+  special.stiffness.assign(coarse.data(), coarse.data() + coarse.size());
   special_.push_back(std::move(special));
 }
 
@@ -275,7 +286,13 @@ void CoarseMesh::interpolate()
     offsets.push_back(columns.size());
   }
   for (Index k = 0; k < system_.rows.enriched; ++k) {
-    add(rows_.nodes + k, 1.0);
+    const Index vertex = fine_.sets->vertices()[static_cast<std::size_t>(k)];
+    for (const xfem::EnrichedSet& set : fine_.sets->of(vertex)) {
+      if (set.row != system_.rows.first + system_.rows.nodes + k) continue;
+      const double factor = 1.0 / xfem::shifted_step(xfem::opposite(set.side), set.side);
+      add(first_set_ + k, factor);
+      add(local_rows_[static_cast<std::size_t>(vertex)], -factor);
+    }
     offsets.push_back(columns.size());
   }
   for (const ParticlePlace& particle : fine_.particles) {
@@ -310,7 +327,7 @@ void CoarseMesh::hold()
       flags[2 * v + a] = sums[3 * v + 2] > 0.0 && sums[3 * v + a] >= kHeldShare * sums[3 * v + 2];
     }
   for (std::size_t k = 0; k < fine_.nodes.size() + static_cast<std::size_t>(system_.rows.enriched); ++k) {
-    const auto coarse = static_cast<std::size_t>(interpolation_.columns[k]); // their own rows
+    const auto coarse = static_cast<std::size_t>(interpolation_.columns[interpolation_.offsets[k]]); // their own rows
     for (std::size_t a = 0; a < 2; ++a) flags[2 * coarse + a] = system_.held[2 * k + a];
   }
   halo_->fetch(flags, 2, all);

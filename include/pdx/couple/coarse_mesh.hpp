@@ -28,9 +28,10 @@ struct FineRows {
   bool breakable = false; ///< bonds of the parts may be missing inside a patch
 };
 
-/// The whole mesh, covered cells included, as coarse level: nodes of elements and their enriched sets are coarse rows
-/// themselves, particles hang bilinearly in the cell that holds them. One mesh, two jobs. Under a patch a crack is seen
-/// from the bonds alone: a vertex has a row for each part of its particles that holds together.
+/// The whole mesh, covered cells included, as coarse level: nodes of elements are coarse rows themselves, their
+/// enriched sets are seen as the value on the other side of the crack (multigrid wants two plain bodies), particles
+/// hang bilinearly in the cell that holds them. One mesh, two jobs. Under a patch a crack is seen from the bonds alone:
+/// a vertex has a row for each part of its particles that holds together.
 class CoarseMesh final : public field::CoarseSpace {
 public:
   /// Collective.
@@ -88,7 +89,8 @@ private:
   std::unique_ptr<SupportParts> support_;
   std::unordered_map<Index, Index> local_vertex_; // by natural number
 
-  field::Rows rows_; // nodes: a row per owned vertex, then further parts; enriched: owned sets
+  field::Rows rows_; // a row per owned vertex, then further parts, then the far sides of owned sets
+  Index first_set_ = 0;
   std::unique_ptr<field::RowHalo> halo_;
   std::vector<Index> local_rows_;                         // first row of every local vertex
   std::unordered_map<Index, std::vector<Leaning>> split_; // by local vertex, ordered
