@@ -180,11 +180,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   if (d.bonds) add_fracture(options, plan, d);
   if (assembled || !d.bonds) return result;
 
-  std::vector<couple::ParticlePlace> places;
-  for (std::size_t k = 0; k < d.particles.size(); ++k)
-    places.push_back({system.rows.first_particle() + static_cast<Index>(k), d.particles[k].cell, d.particles[k].patch,
-                      d.particles[k].site, d.particles[k].x});
-  couple::FineRows fine{d.nodes, d.node_rows, std::move(places), d.sets.get(), d.bonds->parts()};
+  couple::FineRows fine{d.nodes, d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
   fine.breakable = d.fracture || !d.cracks.empty();
   system.coarse = std::make_unique<couple::CoarseMesh>(
       fem::ElasticBody{mesh, options.elastic, element_kinematics(options)}, *d.node_field, std::move(fine), system);

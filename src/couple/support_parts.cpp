@@ -1,7 +1,5 @@
 #include "pdx/couple/support_parts.hpp"
 
-#include "pdx/mesh/sites.hpp"
-
 #include <algorithm>
 #include <bit>
 #include <numeric>
@@ -40,25 +38,17 @@ private:
 };
 } // namespace
 
-SupportParts::SupportParts(const mesh::Mesh& mesh, const field::Rows& rows,
-                           std::span<const std::unique_ptr<pd::LatticePart<2>>> parts, std::span<const Index> cells)
-    : parts_(parts), offsets_(static_cast<std::size_t>(mesh.cells()) + 1, 0), patches_(parts.size()),
-      damaged_(static_cast<std::size_t>(mesh.cells()), 0)
+SupportParts::SupportParts(const field::Rows& rows, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
+                           std::vector<CellParticle> particles, Index cells)
+    : parts_(parts), particles_(std::move(particles)), offsets_(static_cast<std::size_t>(cells) + 1, 0),
+      patches_(parts.size()), damaged_(static_cast<std::size_t>(cells), 0)
 {
   std::vector<std::vector<Index>> sites(parts.size());
-  auto next = cells.begin();
-  for (Index c = 0; c < mesh.cells(); ++c) {
-    if (next != cells.end() && *next == c) {
-      const int patch = mesh.patch(c);
-      const auto& lattice = parts[static_cast<std::size_t>(patch)]->lattice();
-      mesh::for_each_site(mesh, c, lattice, 0, [&](const Site<2>& site, const Vector<2>& x) {
-        particles_.push_back({patch, c, static_cast<Index>(lattice.number(site)), x});
-        sites[static_cast<std::size_t>(patch)].push_back(particles_.back().site);
-      });
-      ++next;
-    }
-    offsets_[static_cast<std::size_t>(c) + 1] = particles_.size();
+  for (const CellParticle& particle : particles_) {
+    ++offsets_[static_cast<std::size_t>(particle.cell) + 1];
+    sites[static_cast<std::size_t>(particle.patch)].push_back(particle.site);
   }
+  for (std::size_t c = 0; c + 1 < offsets_.size(); ++c) offsets_[c + 1] += offsets_[c];
   std::vector<std::vector<PetscInt>> found;
   for (std::size_t p = 0; p < parts.size(); ++p) found.push_back(parts[p]->directory().rows(sites[p]));
   std::vector<std::size_t> at(parts.size(), 0);
@@ -148,14 +138,14 @@ void SupportParts::update()
   }
 }
 
-std::vector<PartOfVertex> SupportParts::split(std::span<const Index> cells,
-                                              const std::function<double(const CellParticle&)>& weight) const
+std::vector<PartOfNode> SupportParts::split(std::span<const Index> cells,
+                                            const std::function<double(const CellParticle&)>& weight) const
 {
-  std::vector<PartOfVertex> here;
+  std::vector<PartOfNode> here;
   for (const Index c : cells)
     for (auto [k, end] = in_cell(c); k < end; ++k) {
       place_[k] = static_cast<Index>(here.size());
-      here.push_back({k, PartOfVertex::kNone});
+      here.push_back({k, PartOfNode::kNone});
     }
   Joined joined(here.size());
   for (std::size_t n = 0; n < here.size(); ++n) {
@@ -169,7 +159,7 @@ std::vector<PartOfVertex> SupportParts::split(std::span<const Index> cells,
         joined.join(n, static_cast<std::size_t>(place_[static_cast<std::size_t>(other)]));
     }
   }
-  for (const PartOfVertex& p : here) place_[p.particle] = -1;
+  for (const PartOfNode& p : here) place_[p.particle] = -1;
 
   std::vector<double> weights(here.size(), 0.0); // by root
   double total = 0.0;
@@ -182,7 +172,7 @@ std::vector<PartOfVertex> SupportParts::split(std::span<const Index> cells,
   for (std::size_t n = 0; n < here.size(); ++n) // a root comes before all others of its part
     here[n].part = joined.root(n) != n                ? here[joined.root(n)].part
                    : weights[n] >= kLeastPart * total ? count++
-                                                      : PartOfVertex::kNone;
+                                                      : PartOfNode::kNone;
   return here;
 }
 } // namespace pdx::couple

@@ -1,37 +1,29 @@
 #pragma once
 #include "pdx/couple/node_field.hpp"
+#include "pdx/couple/patch_grid.hpp"
 #include "pdx/couple/support_parts.hpp"
 #include "pdx/fem/assembly.hpp"
 #include "pdx/field/coarse_space.hpp"
 #include "pdx/field/system.hpp"
 #include "pdx/xfem/enriched_sets.hpp"
 
-#include <unordered_map>
+#include <map>
 
 namespace pdx::couple {
-/// A particle as the coarse level sees it: which row, in which local cell, where.
-struct ParticlePlace {
-  Index row;   ///< local row
-  Index cell;  ///< local cell that holds it
-  int patch;   ///< its patch
-  Index site;  ///< number in the patch's lattice
-  Vector<2> x; ///< [m]
-};
-
 /// What the rows of a scene are. All that is pointed to must outlive the coarse level.
 struct FineRows {
-  std::span<const Index> nodes;        ///< owned local vertices in order of their rows
-  std::span<const PetscInt> node_rows; ///< global row of every local vertex, -1 under a patch
-  std::vector<ParticlePlace> particles;
+  std::span<const Index> nodes;             ///< owned local vertices in order of their rows
+  std::span<const PetscInt> node_rows;      ///< global row of every local vertex, -1 under a patch
   const xfem::EnrichedSets* sets = nullptr; ///< null without cracks
   std::span<const std::unique_ptr<pd::LatticePart<2>>> parts;
-  bool breakable = false; ///< bonds of the parts may be missing inside a patch
+  std::span<const Surroundings> around; ///< of the parts
+  bool breakable = false;               ///< bonds of the parts may be missing inside a patch
 };
 
-/// The whole mesh, covered cells included, as coarse level: nodes of elements are coarse rows themselves, their
-/// enriched sets are seen as the value on the other side of the crack (multigrid wants two plain bodies), particles
-/// hang bilinearly in the cell that holds them. One mesh, two jobs. Under a patch a crack is seen from the bonds alone:
-/// a vertex has a row for each part of its particles that holds together.
+/// The coarse level of a scene: the elements as they are, their nodes coarse rows themselves and their enriched sets
+/// seen as the value on the other side of the crack (multigrid wants two plain bodies); and a grid over each patch, on
+/// which particles hang bilinearly. Under a patch a crack is seen from the bonds alone: a node of the grid has a row
+/// for each part of its particles that holds together.
 class CoarseMesh final : public field::CoarseSpace {
 public:
   /// Collective.
@@ -51,33 +43,42 @@ private:
     bool operator==(const Share&) const = default;
   };
   using Corner = std::vector<Share>; ///< displacement of a cell's corner as a group of particles sees it
-  /// A cell that is not simply an element on its four vertices.
+  /// A cell that is not simply an element on its four nodes.
   struct Special {
     std::vector<Index> rows;
     std::vector<double> stiffness; ///< rows x rows blocks [N/m]
   };
-  /// Tells all ranks what a particle leans on at a vertex that is split.
-  struct SplitRecord {
-    Index natural_vertex;
+  /// A cell of a grid that is looked at here.
+  struct GridCell {
     int patch;
-    Index site;
+    Index cell;
+    bool assembled; ///< it touches a node whose row is ours
+  };
+  /// Tells all ranks what a particle leans on at a node that is split.
+  struct SplitRecord {
+    int patch;
+    Index node, site;
     PetscInt row; ///< global coarse row, -1 for none
   };
-  struct Leaning {
-    int patch;
-    Index site;
-    PetscInt row;
+  /// How an enriched set reads in coarse rows: a = (v - u) / factor.
+  struct SetRecord {
+    PetscInt set, node; ///< global fine rows
+    double factor;
   };
+  using NodeKey = std::pair<int, Index>; ///< patch, node
 
+  void choose_cells();
+  void gather_sets();
   void lay_out();
-  std::vector<SplitRecord> split_vertices(Index& extra);
-  void number(Index extra, std::span<const SplitRecord> mine);
+  std::vector<SplitRecord> split_nodes(Index& extra);
+  void number(Index extra, std::vector<SplitRecord> mine);
   void sort_cells();
-  void add_special(Index cell, const std::array<Corner, 4>& corners, double share, fem::ReusedStiffness& reused);
+  void add_special(const fem::ElementMatrix& stiffness, const std::array<Corner, 4>& corners);
   void add_cut(const xfem::CutElement& cut);
   void interpolate();
-  Corner corner(Index vertex, int patch, Index site, const Vector<2>& x) const;
-  Index set_row(PetscInt fine) const;
+  Corner corner(int patch, Index node, Index site, const Vector<2>& x) const;
+  Corner carried_corner(int patch, Index node, const Vector<2>& x) const;
+  PetscInt coarse_of(PetscInt fine) const;
   void hold();
   void add_springs(field::BlockAdder& adder) const;
 
@@ -85,19 +86,24 @@ private:
   const NodeField& node_field_;
   FineRows fine_;
   const field::System& system_;
-  std::vector<Index> cells_; // local cells that touch an owned vertex
-  std::unique_ptr<SupportParts> support_;
-  std::unordered_map<Index, Index> local_vertex_; // by natural number
+  std::vector<PatchGrid> grids_;
+  std::vector<fem::ElementMatrix> grid_stiffness_; // of an intact cell, per patch
+  std::vector<Index> elements_;                    // local plain cells that touch an owned vertex
+  std::vector<Index> cut_;                         // likewise cut cells
+  std::vector<GridCell> cells_;                    // ordered by patch and cell
+  std::vector<std::vector<Index>> place_;          // per patch and cell: number in cells_, -1
+  std::unique_ptr<SupportParts> support_;          // null if nothing breaks
+  std::map<PetscInt, SetRecord> sets_;             // by fine row of the set
 
-  field::Rows rows_; // a row per owned vertex, then further parts, then the far sides of owned sets
-  Index first_set_ = 0;
+  field::Rows rows_; // FE nodes, far sides of sets, owned nodes of the grids, then further parts
   std::unique_ptr<field::RowHalo> halo_;
-  std::vector<Index> local_rows_;                         // first row of every local vertex
-  std::unordered_map<Index, std::vector<Leaning>> split_; // by local vertex, ordered
-  std::vector<PetscInt> fine_sets_, coarse_sets_;         // first enriched row of each rank
-  std::vector<Index> extra_vertex_;                       // owned vertex of each further part
-  std::vector<Index> weak_;                               // local rows of split vertices that are owned
-  std::vector<Index> standard_;
+  std::vector<Index> vertex_rows_;            // local row of every local vertex that has one
+  std::vector<std::vector<Index>> grid_rows_; // per patch and node: first local row, -1 if carried or not needed
+  std::map<NodeKey, std::vector<std::pair<Index, Index>>> split_; // site -> local row, ordered
+  std::vector<PetscInt> fine_first_, coarse_first_;               // of each rank
+  std::vector<Vector<2>> extra_points_;
+  std::vector<Index> weak_;                                  // owned rows of split nodes
+  std::vector<std::pair<int, std::array<Index, 4>>> intact_; // patch and rows of cells that are as they were
   std::vector<Special> special_;
   field::Interpolation interpolation_;
   std::vector<std::uint8_t> held_; // per component of every local coarse row

@@ -1,33 +1,32 @@
 #pragma once
 #include "pdx/field/rows.hpp"
-#include "pdx/mesh/mesh.hpp"
 #include "pdx/pd/lattice_part.hpp"
 
 #include <memory>
 
 namespace pdx::couple {
-/// A particle in a local covered cell, owned here or not.
+/// A particle in a cell of a patch's grid, owned here or not.
 struct CellParticle {
   int patch = 0;
-  Index cell = 0; ///< local
+  Index cell = 0; ///< number in the list of cells that are looked at
   Index site = 0; ///< number in the patch's lattice
   Vector<2> x;    ///< [m]
 };
 
-/// What a particle leans on at a vertex: a part of the particles around the vertex that intact bonds hold together.
-struct PartOfVertex {
+/// What a particle leans on at a node: a part of the particles around the node that intact bonds hold together.
+struct PartOfNode {
   static constexpr int kNone = -1; ///< a part too small to have an unknown of its own
   std::size_t particle;            ///< number in `SupportParts::particles`
   int part;                        ///< 0, 1, ... or kNone
 };
 
-/// Splits the particles in the cells around a vertex where bonds are broken: a crack needs no geometry to be seen, its
+/// Splits the particles in the cells around a node where bonds are broken: a crack needs no geometry to be seen, its
 /// bond words are enough. Each part that holds together is one coarse unknown.
 class SupportParts {
 public:
-  /// @param cells local covered cells whose particles are looked at, ascending. Collective.
-  SupportParts(const mesh::Mesh& mesh, const field::Rows& rows,
-               std::span<const std::unique_ptr<pd::LatticePart<2>>> parts, std::span<const Index> cells);
+  /// @param particles cell after cell   @param cells their number. Collective.
+  SupportParts(const field::Rows& rows, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
+               std::vector<CellParticle> particles, Index cells);
 
   std::span<const CellParticle> particles() const { return particles_; }
   /// Particles of a cell, as numbers [first, second).
@@ -39,8 +38,8 @@ public:
   bool damaged(Index cell) const { return damaged_[static_cast<std::size_t>(cell)] != 0; }
   /// The parts of the particles in the given cells, by particle; weight(particle) is what a part is measured by: parts
   /// below a twentieth of the whole get no number, the others are numbered by their first particle.
-  std::vector<PartOfVertex> split(std::span<const Index> cells,
-                                  const std::function<double(const CellParticle&)>& weight) const;
+  std::vector<PartOfNode> split(std::span<const Index> cells,
+                                const std::function<double(const CellParticle&)>& weight) const;
 
 private:
   struct Patch {
@@ -51,13 +50,13 @@ private:
 
   std::span<const std::unique_ptr<pd::LatticePart<2>>> parts_;
   std::vector<CellParticle> particles_; // cell after cell
-  std::vector<std::size_t> offsets_;    // per local cell
+  std::vector<std::size_t> offsets_;    // per cell
   std::vector<Patch> patches_;
   std::unique_ptr<field::RowHalo> halo_;
   std::vector<Index> rows_; // of particles_, in halo_
   std::vector<std::array<std::uint64_t, 2>> words_;
   std::vector<double> health_;
-  std::vector<std::uint8_t> damaged_; // per local cell
+  std::vector<std::uint8_t> damaged_; // per cell
   mutable std::vector<Index> place_;  // of a particle in the split at work, else -1
 };
 } // namespace pdx::couple
