@@ -10,6 +10,7 @@
 namespace pdx::couple {
 namespace {
 using Part = pd::LatticePart<2>;
+constexpr double kTouch = 1e-9;     // of the acting part of a bond, at either end
 constexpr double kShortest = 1e-10; // an inner part below this share of dx is a touch, not a spring
 
 Site<2> stepped(Site<2> site, const Site<2>& step, int sign)
@@ -173,7 +174,9 @@ private:
   /// Is the part of the bond that acts cut by a crack, and may it break?
   void judge(Draft& draft, const Vector<2>& begin, const Vector<2>& acts, const std::array<Vector<2>, 2>& ends) const
   {
-    draft.cut = options_.cracks && options_.cracks->cuts(begin, begin + acts);
+    // A bond that meets the border where the crack does moves there with its own side, from whichever side it comes.
+    const Vector<2> touch = options_.scheme == Scheme::energy ? Vector<2>(kTouch * acts) : Vector<2>(Vector<2>::Zero());
+    draft.cut = options_.cracks && options_.cracks->cuts(begin + touch, begin + acts - touch);
     for (const geom::Box<2>& box : options_.no_fail)
       for (const Vector<2>& end : ends) draft.no_fail = draft.no_fail || box.contains(end);
   }
