@@ -19,8 +19,8 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import fields
 import numpy as np
 
-# The papers' scheme, computed independently with a clamp of 0.03 mm, a patch of 15 x 15 elements and bonds linear in the
-# displacement: force per thickness [N/m], crack [m]. The runs here are its own set-up; study.py has the rows as they are.
+# The papers' scheme, computed independently with a clamp of 0.03 mm and a patch of 15 x 15 elements: force per thickness
+# [N/m], crack [m]. Bonds linear in the displacement fit it best and are cheap; study.py has the rows as they are.
 PEAK, PEAK_TOLERANCE = 2126.0, 0.02
 PEAK_OPENING, OPENING_TOLERANCE = 0.54e-6, 0.016e-6  # [m] of one clamp; two increments
 PEAK_END = 0.5625e-6  # [m] of one clamp, the end of the shortened run
