@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws the last step of one or more runs.
 
-usage: plot_case.py OUT_DIR [OUT_DIR2 ...] -o picture.png [--kind plate|crack|energy|ranks] [--scale S] [--error linear|log]
+usage: plot_case.py OUT_DIR [...] -o picture.png [--kind plate|crack|energy|ranks] [--scale S] [--error linear|log]
   plate   a row per run: the deformed plate coloured by |u|, and the error against the reference [XPD1 Fig. 5]
   crack   the deformed mesh, elements that a crack cuts and particles in colours of their own [XPD1 Fig. 11]
   energy  strain energy density of the particles
