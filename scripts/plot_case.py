@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Draws the last step of one or more runs.
 
-usage: plot_case.py OUT_DIR [OUT_DIR2 ...] -o picture.png [--kind plate|energy|ranks] [--scale S] [--error linear|log]
+usage: plot_case.py OUT_DIR [...] -o picture.png [--kind plate|crack|energy|ranks] [--scale S] [--error linear|log]
   plate   a row per run: the deformed plate coloured by |u|, and the error against the reference [XPD1 Fig. 5]
+  crack   the deformed mesh, elements that a crack cuts and particles in colours of their own [XPD1 Fig. 11]
   energy  strain energy density of the particles
   ranks   mesh and particles coloured by the rank that owns them
 """
@@ -25,6 +26,8 @@ STYLE = {"font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 
 DISPLACEMENT_COLOURS, ERROR_COLOURS, ENERGY_COLOURS = "viridis", "magma_r", "cividis"
 RANK_COLOURS = ["#4477aa", "#ee6677", "#ccbb44", "#228833", "#66ccee", "#aa3377", "#bbbbbb", "#997700"]
 PANEL = 2.9  # [inch]
+PLAIN_COLOUR, CUT_COLOUR, PARTICLE_COLOUR = "white", "#f2d13c", "#2f6fb3"
+PLAIN, CUT, COVERED = 0, 1, 2  # values of the mesh's field "use"
 LEAST_GAP = 0.8  # [pt] particles nearer to each other on paper are drawn without a dot
 COMMON_SCALE = 3.0  # runs share a colour scale if their maxima differ by less than this factor
 PREFIXES = [(1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")]
@@ -39,9 +42,9 @@ class Run:
         _, blocks = fields.read_step(directory)
         if "mesh" not in blocks:
             sys.exit(f"plot_case.py: {directory} has no block 'mesh'")
-        self.mesh, self.particles = blocks["mesh"], blocks.get("particles")
-        self.plain = self.mesh.cells[self.mesh["use"] == 0] if "use" in self.mesh else self.mesh.cells
-        self.covered = self.mesh.cells[self.mesh["use"] == 1] if "use" in self.mesh else self.mesh.cells[:0]
+        self.mesh, self.particles, self.cut = blocks["mesh"], blocks.get("particles"), blocks.get("cut_cells")
+        use = self.mesh["use"] if "use" in self.mesh else np.zeros(len(self.mesh.cells))
+        self.plain, self.covered = self.mesh.cells[use == PLAIN], self.mesh.cells[use == COVERED]
         self.extent = np.ptp(self.mesh.points[:, :2], axis=0).max()
         self.metre, self.unit = (1e3, "mm") if self.extent < 0.5 else (1.0, "m")
 
@@ -169,6 +172,11 @@ def draw_displacement(axes, run, scale, norm):
     surface = axes.tripcolor(x[:, 0], x[:, 1], triangles(run.plain), factor * magnitude(run.mesh), shading="gouraud",
                              rasterized=True, **look)
     draw_edges(axes, x, run.plain)
+    if run.cut:
+        x = moved(run, run.cut, scale)
+        axes.tripcolor(x[:, 0], x[:, 1], triangles(run.cut.cells), factor * magnitude(run.cut), shading="gouraud",
+                       rasterized=True, **look)
+        draw_edges(axes, x, run.cut.cells)
     if run.particles:
         x = moved(run, run.particles, scale)
         draw_particles(axes, run, x, factor * magnitude(run.particles), **look)
@@ -219,6 +227,28 @@ def plate(runs, options):
     return figure
 
 
+def draw_cells(axes, x, cells, colour, **look):
+    axes.add_collection(PolyCollection(x[cells], **{"facecolors": colour, "edgecolors": "0.35", "linewidths": 0.25,
+                                                    **look}))
+
+
+def crack(runs, options):
+    figure, grid = panels(1, len(runs))
+    for axes, run in zip(grid[0], runs):
+        scale = options.scale or magnification(run)
+        x = moved(run, run.mesh, scale)
+        set_limits(axes, x[np.unique(run.plain)])
+        draw_cells(axes, x, run.plain, PLAIN_COLOUR)
+        if run.cut:
+            draw_cells(axes, moved(run, run.cut, scale), run.cut.cells, CUT_COLOUR)
+        if run.particles:
+            x = moved(run, run.particles, scale)
+            gap = 72.0 * PANEL * run.spacing() / run.extent  # between particles, on paper [pt]
+            axes.scatter(x[:, 0], x[:, 1], s=(0.8 * gap) ** 2, c=PARTICLE_COLOUR, linewidths=0, rasterized=True)
+        prepare(axes, run, f"{run.label()}, deformation × {scale:g}")
+    return figure
+
+
 def energy(runs, _options):
     for run in runs:
         if not run.particles or "strain_energy_density" not in run.particles:
@@ -251,7 +281,7 @@ def ranks(runs, _options):
         colours = ListedColormap([RANK_COLOURS[i % len(RANK_COLOURS)] for i in range(count)])
         look = {"cmap": colours, "norm": BoundaryNorm(np.arange(count + 1) - 0.5, count)}
         x = moved(run, run.mesh, 0.0)
-        plain = run.mesh["use"] == 0 if "use" in run.mesh else np.ones(len(run.mesh.cells), bool)
+        plain = run.mesh["use"] == PLAIN if "use" in run.mesh else np.ones(len(run.mesh.cells), bool)
         cells = PolyCollection(x[run.plain], array=run.mesh["rank"][plain], edgecolors="white", linewidths=0.1,
                                alpha=0.6, rasterized=True, **look)
         set_limits(axes, x)
@@ -276,7 +306,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("runs", nargs="+", metavar="OUT_DIR")
     parser.add_argument("-o", "--output", required=True, help="picture to write (.png, .pdf, .svg)")
-    parser.add_argument("--kind", choices=["plate", "energy", "ranks"], default="plate")
+    parser.add_argument("--kind", choices=["plate", "crack", "energy", "ranks"], default="plate")
     parser.add_argument("--scale", type=float, default=0.0, help="magnification of displacements (default: chosen)")
     parser.add_argument("--error", choices=["auto", "linear", "log"], default="auto", help="colours of the error map")
     options = parser.parse_args()
@@ -285,7 +315,7 @@ def main():
     except (OSError, IndexError) as error:
         sys.exit(f"plot_case.py: cannot read the runs: {error}")
     with plt.rc_context(STYLE):
-        figure = {"plate": plate, "energy": energy, "ranks": ranks}[options.kind](runs, options)
+        figure = {"plate": plate, "crack": crack, "energy": energy, "ranks": ranks}[options.kind](runs, options)
         figure.savefig(options.output)
     print(f"wrote {options.output}")
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace pdx::post {
 namespace {
@@ -106,6 +107,31 @@ std::vector<double> derivatives(const PatchState& state, const Vector<2>& direct
   return result;
 }
 
+/// u one site along an axis further less u, 2 per owned row; not a number where no intact bond leads there.
+std::vector<double> steps(const PatchState& state, std::size_t axis, const pd::LatticePart<2>::Window& window)
+{
+  const pd::LatticePart<2>& part = state.part;
+  std::vector<double> result(state.u.size(), std::numeric_limits<double>::quiet_NaN());
+  for (Index k = 0; k < static_cast<Index>(part.sites().size()); ++k)
+    part.for_each_bond(k, [&](std::size_t h, int sign, const Site<2>&, double) {
+      const Site<2>& step = part.stencil().half[h].step;
+      if (sign * step[axis] != 1 || step[1 - axis] != 0) return;
+      const Vector<2> eta = part.relative(window, k, h, sign);
+      const auto at = 2 * static_cast<std::size_t>(part.first_row() + k);
+      result[at] = eta.x();
+      result[at + 1] = eta.y();
+    });
+  return result;
+}
+
+/// n.d of the contour's sides across an axis that pass between the site and the next one along it.
+double passing_weight(const Lines& lines, const Site<2>& site, std::size_t axis, double along)
+{
+  const std::size_t other = 1 - axis;
+  if (site[other] < lines.lower[other] || site[other] >= lines.upper[other]) return 0.0;
+  return along * ((site[axis] == lines.upper[axis] - 1) - (site[axis] == lines.lower[axis] - 1));
+}
+
 /// n.d times the share of a particle's W that counts to the contour's sides next to it: half of each.
 double side_weight(const Lines& lines, const Site<2>& site, const Vector<2>& direction)
 {
@@ -124,11 +150,13 @@ double side_weight(const Lines& lines, const Site<2>& site, const Vector<2>& dir
 class Sums {
 public:
   Sums(const PatchState& state, const Vector<2>& direction, std::span<const Lines> contours)
-      : state_(state), direction_(direction), contours_(contours), u_(state.part.window()), slope_(state.part.window())
+      : state_(state), direction_(direction), contours_(contours), u_(state.part.window()),
+        slope_(state.part.window()), steps_{state.part.window(), state.part.window()}
   {
     state.part.load(state.u, u_);
     derivatives_ = derivatives(state, direction, u_);
     state.part.load(derivatives_, slope_);
+    for (std::size_t axis = 0; axis < 2; ++axis) state.part.load(steps(state, axis, u_), steps_[axis]);
   }
 
   std::vector<double> operator()() const
@@ -154,6 +182,33 @@ private:
       close |= lines.holds(site) && !core.holds(site);
     }
     if (close) subtract_bonds(k, site, sums);
+    for (std::size_t axis = 0; axis < 2; ++axis) turn_mean_into_product(k, site, axis, sums);
+  }
+
+  /// Takes what the mean of W of a particle and the next has too much, 1/8 dF . deta of each of their bonds.
+  void turn_mean_into_product(Index k, const Site<2>& site, std::size_t axis, std::vector<double>& sums) const
+  {
+    double excess = 0.0;
+    bool known = false;
+    for (std::size_t c = 0; c < contours_.size(); ++c) {
+      const double weight = passing_weight(contours_[c], site, axis, direction_[static_cast<Eigen::Index>(axis)]);
+      if (weight == 0.0) continue;
+      if (!known) excess = excess_of_mean(k, axis);
+      known = true;
+      sums[c] -= weight * excess;
+    }
+  }
+
+  double excess_of_mean(Index k, std::size_t axis) const ///< [J/m^2]
+  {
+    const pd::LatticePart<2>& part = state_.part;
+    double sum = 0.0;
+    part.for_each_bond(k, [&](std::size_t h, int sign, const Site<2>&, double weight) {
+      const Vector<2> eta = part.relative(u_, k, h, sign), change = part.relative(steps_[axis], k, h, sign);
+      if (change.allFinite())
+        sum += (force(h, sign, weight, eta + change) - force(h, sign, weight, eta)).dot(change) / 8.0;
+    });
+    return sum / (part.stencil().dx * part.stencil().thickness);
   }
 
   void subtract_bonds(Index k, const Site<2>& site, std::vector<double>& sums) const
@@ -177,18 +232,25 @@ private:
   double bond_power(Index k, std::size_t arm, int sign, double weight, const Vector<2>& own) const
   {
     const pd::LatticePart<2>& part = state_.part;
-    const pd::Arm<2>& half = part.stencil().half[arm];
-    const Vector<2> xi = sign * half.xi, eta = part.relative(u_, k, arm, sign);
+    const Vector<2> pull = force(arm, sign, weight, part.relative(u_, k, arm, sign));
+    return 0.5 * pull.dot(2.0 * own + part.relative(slope_, k, arm, sign)) / part.stencil().thickness;
+  }
+
+  /// Force of the neighbour on a particle [N] at the relative displacement eta.
+  Vector<2> force(std::size_t arm, int sign, double weight, const Vector<2>& eta) const
+  {
+    const pd::Arm<2>& half = state_.part.stencil().half[arm];
+    const Vector<2> xi = sign * half.xi;
     const auto bond = state_.kinematics == pd::Kinematics::finite ? law::finite_state<2>(xi, half.length, eta)
                                                                   : law::linear_state<2>(xi, half.length, eta);
-    const Vector<2> force = weight * half.kappa * bond.stretch * bond.direction;
-    return 0.5 * force.dot(2.0 * own + part.relative(slope_, k, arm, sign)) / part.stencil().thickness;
+    return weight * half.kappa * bond.stretch * bond.direction;
   }
 
   const PatchState& state_;
   Vector<2> direction_;
   std::span<const Lines> contours_;
   pd::LatticePart<2>::Window u_, slope_;
+  std::array<pd::LatticePart<2>::Window, 2> steps_; ///< per axis
   std::vector<double> derivatives_;
 };
 } // namespace

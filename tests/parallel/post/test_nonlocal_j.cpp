@@ -86,7 +86,7 @@ TEST(NonlocalJ, OfAFieldWithABodyForceIsTheIntegralOfItsPower)
 }
 
 // Finite bonds, turned far and strained: the formula as a double loop over all pairs, with forces along the deformed
-// bonds.
+// bonds, and what the product of stretches on the contour is below the mean of W (W itself is left out).
 TEST(NonlocalJ, OfFiniteBondsMatchesADoubleLoopOverAllPairs)
 {
   const test::BarePatch patch(PETSC_COMM_WORLD, kLattice, 3.0, owner);
@@ -95,14 +95,22 @@ TEST(NonlocalJ, OfFiniteBondsMatchesADoubleLoopOverAllPairs)
   };
   const Vector<2> direction(0.6, 0.8);
   const double dx = kLattice.dx;
+  const Vector<2> ex(dx, 0.0), ey(0.0, dx);
   const std::vector<double> u = patch.displacement(field), w(static_cast<std::size_t>(patch.rows.owned()), 0.0);
   const post::SquareContour contour{kMiddle, 2.0};
   const double found =
       post::nonlocal_j({patch.comm, patch.part(), pd::Kinematics::finite, u, w, 1}, direction, {&contour, 1})[0].j;
 
   const auto slope = [&](const Vector<2>& x) -> Vector<2> {
-    const Vector<2> ex(dx, 0.0), ey(0.0, dx);
     return (0.6 * (field(x + ex) - field(x - ex)) + 0.8 * (field(x + ey) - field(x - ey))) / (2.0 * dx);
+  };
+  const auto force = [&](const pd::Arm<2>& arm, const Vector<2>& x, const Vector<2>& y) -> Vector<2> {
+    const Vector<2> deformed = y + field(y) - x - field(x);
+    return arm.kappa * (deformed.norm() / arm.length - 1.0) * deformed.normalized() / 0.5; // per thickness
+  };
+  const auto excess = [&](const pd::Arm<2>& arm, const Vector<2>& x, const Vector<2>& y, const Vector<2>& step) {
+    const Vector<2> df = force(arm, x + step, y + step) - force(arm, x, y);
+    return df.dot(field(y + step) - field(x + step) - field(y) + field(x)) / (8.0 * dx);
   };
   const auto inside = [&](const Vector<2>& x) { return (x - kMiddle).lpNorm<Eigen::Infinity>() < 1.0; };
   double expected = 0.0;
@@ -110,10 +118,10 @@ TEST(NonlocalJ, OfFiniteBondsMatchesADoubleLoopOverAllPairs)
     for (const pd::Arm<2>& arm : patch.part().stencil().half)
       for (const double sign : {1.0, -1.0}) {
         const Vector<2> x = kLattice.point(kLattice.site(i)), y = x + sign * arm.xi;
-        if (!inside(x) || inside(y)) continue;
-        const Vector<2> deformed = y + field(y) - x - field(x);
-        const double stretch = deformed.norm() / arm.length - 1.0;
-        expected -= 0.5 * arm.kappa * stretch * deformed.normalized().dot(slope(x) + slope(y)) / 0.5;
+        if (inside(x) && !inside(y)) expected -= 0.5 * force(arm, x, y).dot(slope(x) + slope(y));
+        // the side in front passes between x inside and x + step, the one behind between x and x + step inside
+        expected -= 0.6 * (inside(x) - inside(x + ex)) * excess(arm, x, y, ex);
+        expected -= 0.8 * (inside(x) - inside(x + ey)) * excess(arm, x, y, ey);
       }
   EXPECT_NEAR(found, expected, 1e-10 * std::abs(expected));
 }

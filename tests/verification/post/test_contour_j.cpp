@@ -93,7 +93,17 @@ TEST(ContourJ, IsTheEnergyReleasedPerCrackLengthOnAnyContour)
       (CrackedPlate({0.5 - dx, 0.5}).energy() - CrackedPlate({0.5 + dx, 0.5}).energy()) / (2.0 * dx);
   ASSERT_GT(released, 0.0);
   const CrackedPlate plate(kTip);
-  for (const auto& [j, side] : contour_j(plate, kContours)) EXPECT_NEAR(j, released, 5e-4 * released) << side;
+  for (const auto& [j, side] : contour_j(plate, kContours)) EXPECT_NEAR(j, released, 2e-4 * released) << side;
+}
+
+// The sum is a conservation law of the lattice itself, so the path does not matter beyond the solver's rounding.
+TEST(ContourJ, DoesNotDependOnThePath)
+{
+  const CrackedPlate plate({0.5, 0.5});
+  std::vector<post::SquareContour> contours = kContours;
+  contours.push_back({{0.55, 0.47}, 0.3});
+  const auto found = contour_j(plate, contours);
+  for (const auto& [j, side] : found) EXPECT_NEAR(j, found[0].j, 1e-9 * found[0].j) << side;
 }
 
 // Around the crack's middle, beside it or before it there is no tip.
@@ -102,5 +112,5 @@ TEST(ContourJ, VanishesWithoutATipInside)
   const CrackedPlate plate(kTip);
   const double at_tip = contour_j(plate, kContours)[1].j;
   const std::vector<post::SquareContour> away{{{0.25, 0.5}, 0.25}, {{0.5, 0.75}, 0.25}, {{0.75, 0.5}, 0.25}};
-  for (const auto& [j, side] : contour_j(plate, away)) EXPECT_NEAR(j, 0.0, 2e-3 * at_tip);
+  for (const auto& [j, side] : contour_j(plate, away)) EXPECT_NEAR(j, 0.0, 1e-9 * at_tip);
 }
