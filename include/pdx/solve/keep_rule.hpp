@@ -15,7 +15,7 @@ public:
 
 private:
   double factor_, per_decade_ = 0.0; // iterations per decade of the first solve after a build; 0: not known yet
-  double spent_ = 0.0;              // iterations beyond the expected ones since the build
+  double spent_ = 0.0;               // iterations beyond the expected ones since the build
   bool wanted_ = true;
 };
 } // namespace pdx::solve

@@ -33,8 +33,8 @@ TEST(BondCuts, MeetingOnlyTheTipStays)
     const CrackSet cracks({line}, kBody);
     EXPECT_FALSE(cuts(cracks, {3, 0}, {3, 2}));
     EXPECT_FALSE(cuts(cracks, {2.5, 0.5}, {3.5, 1.5}));
-    EXPECT_FALSE(cuts(cracks, {2, 1}, {4, 1}));                // along the crack, over the tip
-    EXPECT_FALSE(cuts(cracks, {3, 1}, {4, 0}));                // ends at the tip
+    EXPECT_FALSE(cuts(cracks, {2, 1}, {4, 1}));                 // along the crack, over the tip
+    EXPECT_FALSE(cuts(cracks, {3, 1}, {4, 0}));                 // ends at the tip
     EXPECT_FALSE(cuts(cracks, {3 - 1e-15, 0}, {3 - 1e-15, 2})); // rounding
     EXPECT_TRUE(cuts(cracks, {3 - 1e-9, 0}, {3 - 1e-9, 2}));
     EXPECT_FALSE(cuts(cracks, {after(3), 0}, {after(3), 2}));
