@@ -40,7 +40,7 @@ std::vector<crack::Tip> centres(const Solved& s)
 nlohmann::json contour_results(const Solved& s, const crack::Tip& tip, std::span<const double> density)
 {
   const auto patch = patch_at(s.plan, tip.at);
-  if (!patch) return {};
+  if (!patch || !s.d.bonds) return {};
   const pd::LatticePart<2>& part = *s.d.bonds->parts()[*patch];
   std::vector<post::SquareContour> contours;
   for (const double side : s.options.post.j_contours) contours.push_back({tip.at, side});
