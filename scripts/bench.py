@@ -1,27 +1,22 @@
 #!/usr/bin/env python3
 """Measures the static solver: speed as ratios within one run, and run time against error.
 
-usage: bench.py [--executable build/release/pdxsolve] [--rounds 5] [--out out/bench] [--only speed,size,ranks,pareto]
+usage: bench.py [--executable build/release/pdxsolve] [--rounds 5] [--out out/bench] [--only PART,PART]
+Parts without cracks: speed, size, ranks, pareto. With cracks: coupled and direct (coupled against particles only, default
+and direct solver), run (dcb row 3), sequence (a crack that grows from solve to solve), fracture_pareto.
 The two sides of a ratio run in turn, round after round; the quoted numbers are medians. One-rank runs are pinned to a
-core. Writes bench.json, table.md, pareto.png and size.png into the output directory.
+core. Writes bench.json, table.md and pictures into the output directory.
 """
 import argparse
 import json
-import os
 import pathlib
-import statistics
-import subprocess
-import sys
 import tempfile
 
 import fields
-import matplotlib
 import numpy as np
+from bench_fracture import FractureBench
+from bench_machine import ROOT
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (after the choice of backend)
-
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 LENGTH = 5e-3  # side of the plate [m]
 PLATE = ["-mesh_lower", "0,0", "-mesh_upper", f"{LENGTH},{LENGTH}", "-material_young", "1e9", "-material_poisson",
          "0.33333333333333333", "-material_thickness", "1e-3", "-bc_names", "clamp,load", "-bc_clamp_on", "left",
@@ -45,43 +40,7 @@ def particles(count, cells=None):
     return scene + (["-mesh_cells", f"{cells[0]},{cells[1]}"] if cells else [])
 
 
-class Bench:
-    def __init__(self, executable, rounds, out):
-        self.executable, self.rounds, self.out = pathlib.Path(executable).resolve(), rounds, out
-        self.results, self.lines = {}, []
-
-    def run(self, arguments, ranks=1, keep=None):
-        """Runs a scene; returns its summary. `keep`: directory for its fields."""
-        with tempfile.TemporaryDirectory() as scratch:
-            directory = keep or scratch
-            command = [str(self.executable), *arguments, "-quiet", "-output_dir", str(directory)]
-            if ranks > 1:
-                command = ["mpirun", "-q", "-n", str(ranks), *command]
-            elif hasattr(os, "sched_setaffinity"):
-                command = ["taskset", "-c", str(max(os.sched_getaffinity(0))), *command]
-            done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-            if done.returncode:
-                sys.exit(f"{' '.join(command)}\nfailed: {done.stderr}")
-            return fields.read_summary(directory)
-
-    def interleave(self, sides):
-        """Runs every side once per round; medians of solve, total [s], iterations and memory [MB] by side."""
-        samples = {name: [] for name in sides}
-        for _ in range(self.rounds):
-            for name, (arguments, ranks) in sides.items():
-                samples[name].append(self.run(arguments, ranks))
-        median = statistics.median
-        return {name: {"solve": median(s["wall_seconds"]["solve"] for s in runs),
-                       "total": median(s["wall_seconds"]["total"] for s in runs),
-                       "iterations": runs[0]["linear_iterations"], "unknowns": runs[0]["unknowns"]["total"],
-                       "memory": median(s["peak_memory_mb"] - s["memory_mb"]["before_solve"] for s in runs)}
-                for name, runs in samples.items()}
-
-    def table(self, title, header, rows):
-        self.lines += [f"### {title}", "", "| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-        self.lines += ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows] + [""]
-        print("\n".join(self.lines[-len(rows) - 5:]), flush=True)
-
+class StaticBench(FractureBench):
     def speed(self):
         """Default solver against the assembled matrix under CG and BoomerAMG, assembly and set-up included."""
         scenes = {"coarse plate, h = 2 dx": (coupled(100, 2), 3.0, None), "fine plate, h = 5 dx": (coupled(100, 5), 9.0, None),
@@ -157,32 +116,20 @@ class Bench:
         order = np.lexsort((place[on, 0], place[on, 1]))
         return mesh["displacement"][on][order, :2]
 
-    def picture(self, name, x_label, curves, y_label):
-        plt.rcParams.update({"font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 10})
-        figure, axes = plt.subplots(figsize=(4.6, 3.4))
-        for (label, points), colour, marker in zip(curves.items(), ["#4477aa", "#ee6677", "#ccbb44", "#228833"], "os^D"):
-            x, y = zip(*sorted(points))
-            one_way = all(b > a for a, b in zip(y, y[1:])) or all(b < a for a, b in zip(y, y[1:]))
-            axes.loglog(x, y, marker=marker, markersize=4, linewidth=1 if one_way else 0, color=colour, label=label)
-        axes.set(xlabel=x_label, ylabel=y_label)
-        axes.grid(True, which="major", linewidth=0.3)
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.legend(frameon=False, fontsize=9)
-        figure.savefig(self.out / name, dpi=200, bbox_inches="tight")
-        plt.close(figure)
-
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--executable", default=ROOT / "build/release/pdxsolve")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/bench")
-    parser.add_argument("--only", default="speed,size,ranks,pareto")
+    parser.add_argument("--only", default="speed,size,ranks,pareto,coupled,direct,run,sequence,fracture_pareto")
+    parser.add_argument("--package", default="cholmod", help="direct: -pc_factor_mat_solver_type of both sides")
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
-    bench = Bench(arguments.executable, arguments.rounds, arguments.out)
+    bench = StaticBench(arguments.executable, arguments.rounds, arguments.out)
+    bench.package = arguments.package
     for part in arguments.only.split(","):
-        getattr(bench, part)()
+        getattr(bench, {"run": "whole_run"}.get(part, part))()
         (arguments.out / "table.md").write_text("\n".join(bench.lines) + "\n")
         (arguments.out / "bench.json").write_text(json.dumps(bench.results, indent=1))
 

@@ -5,10 +5,25 @@
 #include "pdx/base/gather.hpp"
 #include "pdx/io/agree.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 
 namespace pdx::app {
+namespace {
+constexpr std::size_t kMostSolves = 1000; // that are listed one by one
+
+template <class T> nlohmann::ordered_json series(const std::vector<T>& values)
+{
+  if (values.empty()) return nullptr;
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  return {{"max", *std::max_element(values.begin(), values.end())},
+          {"mean", sum / static_cast<double>(values.size())},
+          {"list", std::vector<T>(values.begin(), values.begin() + std::min(values.size(), kMostSolves))}};
+}
+} // namespace
+
 Recorder::Recorder(MPI_Comm comm, const SceneOptions& options, double begin)
     : comm_(comm), options_(options), begin_(begin), progress_(comm, options.output.quiet)
 {
@@ -217,6 +232,10 @@ void Recorder::count(const solve::StaticReport& report)
   results["passes"] = report.passes;
   results["halvings"] = report.halvings;
   results["particles_held"] = report.held_rows;
+  results["solve_iterations"] = series(report.solve_iterations);
+  if (!grows()) return;
+  results["solve_seconds"] = series(report.solve_seconds);
+  results["solve_bonds_broken"] = series(report.solve_changes);
 }
 
 void Recorder::finish(const solve::StaticReport& report)

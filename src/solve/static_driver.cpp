@@ -251,7 +251,9 @@ std::string StaticDriver::attempt(Vec u)
   prescribe(u, load_);
   prepare(u);
   PDX_CALL(SNESSolve(snes_.get(), nullptr, u));
-  report_.seconds += MPI_Wtime() - begin;
+  report_.solve_seconds.push_back(MPI_Wtime() - begin);
+  report_.solve_changes.push_back(0);
+  report_.seconds += report_.solve_seconds.back();
   PDX_CALL(SNESGetIterationNumber(snes_.get(), &newton));
   PDX_CALL(SNESGetLinearSolveIterations(snes_.get(), &linear));
   ++report_.solves;
@@ -309,6 +311,7 @@ std::string StaticDriver::equilibrium(Step& step, Vec u)
     if (system_.after.empty()) break;
     system_.halo->gather(u, local_);
     for (const auto& after : system_.after) changes += after->apply(local_);
+    report_.solve_changes.back() = changes;
     if (changes > 0) stale_ = true;
     if (options_.max_changes > 0 && step.changes + changes > options_.max_changes) {
       step.changes += changes;

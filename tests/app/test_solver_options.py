@@ -166,6 +166,20 @@ class Failure(program.ProgramTest):
 
 
 class Contract(program.ProgramTest):
+    def test_summary_lists_the_solves(self):
+        torn = {"-pd_critical_stretch": "1e-3", "-load_steps": "4", "-load_broken_share": "1", "-bc_load_traction": None,
+                "-bc_load_displacement": "1.3e-3,0"}
+        for options in (SMALL_PATCH, SMALL_PATCH | torn):
+            summary = self.solve(options).summary
+            results = summary["results"]
+            iterations = results["solve_iterations"]
+            self.assertEqual(sum(iterations["list"]), summary["linear_iterations"])
+            self.assertEqual(max(iterations["list"]), iterations["max"])
+            self.assertAlmostEqual(iterations["mean"] * results["passes"], summary["linear_iterations"])
+        self.assertEqual(sum(results["solve_bonds_broken"]["list"]), summary["bonds_broken"])
+        self.assertGreater(summary["bonds_broken"], 0)
+        self.assertAlmostEqual(sum(results["solve_seconds"]["list"]), summary["wall_seconds"]["solve"])
+
     def test_summary_has_the_keys_of_the_contract(self):
         for options, status in ((SMALL, 0), (SMALL_PATCH, 0), (PATCH | {"-ksp_max_it": "2"}, 2)):
             run = self.launch(options)

@@ -19,14 +19,16 @@ struct StaticOptions {
 /// What a run cost.
 struct StaticReport {
   int steps = 0, newton_iterations = 0, linear_iterations = 0, jacobian_assemblies = 0, preconditioner_builds = 0;
-  int solves = 0;                         ///< of SNES, those of rejected increments and repeated ones included
-  int passes = 0;                         ///< solves that accepted steps took, the quiet ones included
-  int halvings = 0;                       ///< increments that were rejected and tried with half their size
-  std::int64_t changes = 0;               ///< by AfterSolves in accepted steps
-  std::int64_t held_rows = 0;             ///< rows without stiffness in some direction, at the last tangent
-  double seconds = 0.0;                   ///< assembly, set-up and solve [s]
-  std::vector<int> solve_iterations;      ///< linear iterations of each solve
-  std::vector<std::vector<double>> norms; ///< residual norms of each solve's Newton iterations [N]
+  int solves = 0;                          ///< of SNES, those of rejected increments and repeated ones included
+  int passes = 0;                          ///< solves that accepted steps took, the quiet ones included
+  int halvings = 0;                        ///< increments that were rejected and tried with half their size
+  std::int64_t changes = 0;                ///< by AfterSolves in accepted steps
+  std::int64_t held_rows = 0;              ///< rows without stiffness in some direction, at the last tangent
+  double seconds = 0.0;                    ///< assembly, set-up and solve [s]
+  std::vector<int> solve_iterations;       ///< linear iterations of each solve
+  std::vector<double> solve_seconds;       ///< of each solve, assembly and set-up included [s]
+  std::vector<std::int64_t> solve_changes; ///< by AfterSolves after each solve
+  std::vector<std::vector<double>> norms;  ///< residual norms of each solve's Newton iterations [N]
 };
 
 /// An accepted load.

@@ -2,6 +2,7 @@
 #include "support/springs.hpp"
 
 #include <gtest/gtest.h>
+#include <numeric>
 
 using namespace pdx;
 using test::kUnbreakable;
@@ -89,6 +90,9 @@ TEST(LoadStepping, SolvesAgainUntilAllAreQuiet)
   EXPECT_EQ(r.report.halvings, 0);
   EXPECT_EQ(r.report.jacobian_assemblies, 3); // the first, and after each of the two passes that broke something
   EXPECT_EQ(r.report.solve_iterations.size(), 4u);
+  EXPECT_EQ(r.report.solve_changes, (std::vector<std::int64_t>{0, ranks(), ranks(), 0}));
+  EXPECT_NEAR(std::accumulate(r.report.solve_seconds.begin(), r.report.solve_seconds.end(), 0.0), r.report.seconds,
+              1e-12);
 }
 
 // They break one by one at loads (those left, the lasting one included) x limit: 0.15, 0.4, 0.6, 0.7.

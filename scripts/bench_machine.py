@@ -1,0 +1,67 @@
+"""What the benchmarks share: runs on a pinned core, interleaved rounds, medians, tables and pictures."""
+import os
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+
+import fields
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402  (after the choice of backend)
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+class Bench:
+    def __init__(self, executable, rounds, out):
+        self.executable, self.rounds, self.out = pathlib.Path(executable).resolve(), rounds, out
+        self.results, self.lines = {}, []
+
+    def run(self, arguments, ranks=1, keep=None, may_fail=False):
+        """Runs a scene; returns its summary. `keep`: directory for its fields. `may_fail`: the run is cut short."""
+        with tempfile.TemporaryDirectory() as scratch:
+            directory = keep or scratch
+            command = [str(self.executable), *arguments, "-quiet", "-output_dir", str(directory)]
+            if ranks > 1:
+                command = ["mpirun", "-q", "-n", str(ranks), *command]
+            elif hasattr(os, "sched_setaffinity"):
+                command = ["taskset", "-c", str(max(os.sched_getaffinity(0))), *command]
+            done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+            if done.returncode and not may_fail:
+                sys.exit(f"{' '.join(command)}\nfailed: {done.stderr}")
+            return fields.read_summary(directory)
+
+    def interleave(self, sides):
+        """Runs every side once per round; medians of solve, total [s], iterations and memory [MB] by side."""
+        samples = {name: [] for name in sides}
+        for _ in range(self.rounds):
+            for name, (arguments, ranks) in sides.items():
+                samples[name].append(self.run(arguments, ranks))
+        median = statistics.median
+        return {name: {"solve": median(s["wall_seconds"]["solve"] for s in runs),
+                       "total": median(s["wall_seconds"]["total"] for s in runs),
+                       "iterations": runs[0]["linear_iterations"], "unknowns": runs[0]["unknowns"]["total"],
+                       "memory": median(s["peak_memory_mb"] - s["memory_mb"]["before_solve"] for s in runs)}
+                for name, runs in samples.items()}
+
+    def table(self, title, header, rows):
+        self.lines += [f"### {title}", "", "| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+        self.lines += ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows] + [""]
+        print("\n".join(self.lines[-len(rows) - 5:]), flush=True)
+
+    def picture(self, name, x_label, curves, y_label):
+        plt.rcParams.update({"font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 10})
+        figure, axes = plt.subplots(figsize=(4.6, 3.4))
+        for (label, points), colour, marker in zip(curves.items(), ["#4477aa", "#ee6677", "#ccbb44", "#228833"], "os^D"):
+            x, y = zip(*sorted(points))
+            one_way = all(b > a for a, b in zip(y, y[1:])) or all(b < a for a, b in zip(y, y[1:]))
+            axes.loglog(x, y, marker=marker, markersize=4, linewidth=1 if one_way else 0, color=colour, label=label)
+        axes.set(xlabel=x_label, ylabel=y_label)
+        axes.grid(True, which="major", linewidth=0.3)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.legend(frameon=False, fontsize=9)
+        figure.savefig(self.out / name, dpi=200, bbox_inches="tight")
+        plt.close(figure)
