@@ -167,8 +167,8 @@ class Failure(program.ProgramTest):
 
 class Contract(program.ProgramTest):
     def test_summary_lists_the_solves(self):
-        torn = {"-pd_critical_stretch": "1e-3", "-load_steps": "4", "-load_broken_share": "1", "-bc_load_traction": None,
-                "-bc_load_displacement": "1.3e-3,0"}
+        torn = {"-pd_critical_stretch": "1e-3", "-load_steps": "4", "-pd_no_fail": "0,0,1,0.6", "-bc_load_traction": None,
+                "-bc_load_displacement": "1.3e-3,0", "-load_broken_share": "1"}
         for options in (SMALL_PATCH, SMALL_PATCH | torn):
             summary = self.solve(options).summary
             results = summary["results"]
