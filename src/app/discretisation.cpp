@@ -109,7 +109,8 @@ void add_fracture(const SceneOptions& options, const PatchPlan& plan, Discretisa
                            : pd::critical_stretch<2>(
                                  stencil, law::BondLaw<2>(options.pd.micromodulus, options.elastic, stencil.horizon),
                                  *f.toughness, f.by));
-  d.bonds_at_start = d.bonds->bonds();
+  d.bonds_at_start = d.bonds->bonds() + (d.carried ? d.carried->bonds() : 0);
+  MPI_Allreduce(MPI_IN_PLACE, &d.bonds_at_start, 1, MPI_INT64_T, MPI_SUM, d.system.rows.comm);
   auto fracture = std::make_unique<couple::Fracture>(
       *d.bonds, d.carried,
       couple::FractureOptions{d.critical_stretch, f.no_fail, f.release, f.release_share, bond_kinematics(options)});

@@ -227,6 +227,13 @@ template <int Dim> void CarriedBonds<Dim>::add_bonded_volume(std::span<pd::Bonde
   }
 }
 
+template <int Dim> std::int64_t CarriedBonds<Dim>::bonds() const
+{
+  std::int64_t count = 0;
+  for (std::size_t k = 0; k < bonds_.size(); ++k) count += !gone_[k] && counted(bonds_[k]);
+  return count;
+}
+
 template class CarriedBonds<2>;
 template class CarriedBonds<3>;
 } // namespace pdx::couple

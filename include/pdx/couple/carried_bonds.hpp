@@ -52,6 +52,7 @@ public:
   void add_bonded_volume(std::span<pd::BondedVolume> volumes) const;
 
   std::size_t size() const { return bonds_.size(); }
+  std::int64_t bonds() const; ///< intact ones that this rank counts; after `bind`
 
 private:
   struct Panel;
