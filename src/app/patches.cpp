@@ -86,6 +86,7 @@ PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh)
     try {
       plan.stencils.push_back(pd::make_stencil<2>({dx, options.elastic.thickness, options.pd.horizon_ratio * dx,
                                                    options.pd.micromodulus, options.pd.calibration, options.elastic}));
+      pd::require_bond_words(plan.stencils.back());
     } catch (const UserError& wrong) {
       throw UserError(fmt::format("-pd_horizon_ratio is {}: {}", options.pd.horizon_ratio, wrong.what()));
     }

@@ -14,13 +14,17 @@ constexpr double kSurface = 1e-9; // of the body's size: an end this near to its
 constexpr double kProlong = 1e-3; // of the body's size
 /// Of the prolongation: lattices like to have bonds through the tip itself, which rounding must not cut.
 constexpr double kTipShare = 1e-9;
+/// Of a tip's reach: a bond that passes the tip within its reach crosses the crack no further behind it, unless it runs
+/// almost along the crack.
+constexpr double kBehindTip = 100.0;
 
-/// Distance of x from the line through a and b, the same for (b, a).
+/// Distance of x from the segment between a and b, the same for (b, a).
 double distance(const Vector<2>& x, Vector<2> a, Vector<2> b)
 {
   if (std::pair(b[0], b[1]) < std::pair(a[0], a[1])) std::swap(a, b);
-  const Vector<2> along = b - a, to = x - a;
-  return std::abs(along[0] * to[1] - along[1] * to[0]) / along.norm();
+  const Vector<2> along = b - a;
+  const double t = std::clamp((x - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (x - a - t * along).norm();
 }
 
 Vector<2> direction(const Vector<2>& from, const Vector<2>& to) { return (to - from).normalized(); }
@@ -81,7 +85,7 @@ CrackSet::CrackSet(std::vector<Polyline> cracks, const Inside& inside, double pr
 
 void CrackSet::add(Polyline points, const Inside& inside, double prolong)
 {
-  Crack crack{points, points, {}, {}, kTipShare * prolong};
+  Crack crack{points, points, {}, {}, {}, kTipShare * prolong};
   const std::size_t end = points.size() - 1;
   for (const bool last : {false, true}) {
     const Vector<2>& at = last ? points[end] : points[0];
@@ -95,6 +99,13 @@ void CrackSet::add(Polyline points, const Inside& inside, double prolong)
     if (!inside(further)) crack.seen.insert(last ? crack.seen.end() : crack.seen.begin(), further);
   }
   crack.bounds = bounds_of(crack.seen);
+  crack.withdrawn = crack.seen;
+  for (const Vector<2>& tip : crack.tips) {
+    const bool last = tip == points[end];
+    const Vector<2> back = (last ? points[end - 1] : points[1]) - tip;
+    const double share = std::min(0.5, kBehindTip * crack.tip_reach / back.norm());
+    (last ? crack.withdrawn.back() : crack.withdrawn.front()) = tip + share * back;
+  }
   cracks_.push_back(std::move(crack));
 }
 
@@ -155,8 +166,9 @@ bool CrackSet::cuts(int crack, const Vector<2>& a, const Vector<2>& b) const
   if ((a.cwiseMin(b).array() > c.bounds.upper.array()).any() || (a.cwiseMax(b).array() < c.bounds.lower.array()).any())
     return false;
   if (!parts(c.seen, a, b)) return false;
-  return std::none_of(c.tips.begin(), c.tips.end(),
-                      [&](const Vector<2>& tip) { return distance(tip, a, b) < c.tip_reach; });
+  const bool meets_tip = std::any_of(c.tips.begin(), c.tips.end(),
+                                     [&](const Vector<2>& tip) { return distance(tip, a, b) < c.tip_reach; });
+  return !meets_tip || parts(c.withdrawn, a, b);
 }
 
 bool CrackSet::cuts(const Vector<2>& a, const Vector<2>& b) const

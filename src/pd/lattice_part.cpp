@@ -43,6 +43,7 @@ LatticePart<Dim>::LatticePart(const field::Rows& rows, geom::Lattice<Dim> lattic
     : rows_(rows), lattice_(std::move(lattice)), stencil_(std::move(stencil)), sites_(std::move(sites)),
       first_row_(first_row), directory_(rows.comm, static_cast<Index>(lattice_.total()), sites_, rows.first + first_row)
 {
+  require_bond_words(stencil_);
   place_window();
   write_bond_words();
   if (exists) write_shares(exists);

@@ -10,6 +10,7 @@
 
 namespace pdx::pd {
 namespace {
+constexpr double kMaxRatio = 20.0; // far beyond what bond words hold
 constexpr double kRounding = 1e-9; // of lengths in units of dx: 3 dx lies on a horizon of 3 dx
 
 template <int Dim> bool in_half(const Site<Dim>& step)
@@ -32,6 +33,10 @@ template <int Dim> void check(const StencilOptions& o)
   if (!(o.dx > 0.0)) throw UserError(fmt::format("particle spacing is {:g} m; it must be above 0", o.dx));
   if (!(o.horizon >= o.dx))
     throw UserError(fmt::format("the horizon {:g} m must be at least the particle spacing {:g} m", o.horizon, o.dx));
+  if (!(o.horizon <= kMaxRatio * o.dx))
+    throw UserError(
+        fmt::format("horizon too wide: {:g} m is {:.4g} times the particle spacing; {:g} times are possible", o.horizon,
+                    o.horizon / o.dx, kMaxRatio));
   if (Dim == 2 && o.thickness != o.elastic.thickness)
     throw UserError(fmt::format("the particles are {:g} m thick but the material is {:g} m thick; give one thickness",
                                 o.thickness, o.elastic.thickness));
@@ -56,7 +61,7 @@ template <int Dim> Arm<Dim> make_arm(const Site<Dim>& step, const law::BondLaw<D
 
 template <int Dim> void collect_arms(const law::BondLaw<Dim>& bond, const StencilOptions& o, Stencil<Dim>& stencil)
 {
-  const int widest = static_cast<int>(std::ceil(std::min(o.horizon / o.dx, 20.0) + 0.5));
+  const int widest = static_cast<int>(std::ceil(o.horizon / o.dx + 0.5));
   Site<Dim> step;
   step.fill(-widest);
   while (step[Dim - 1] <= widest) {
@@ -72,11 +77,6 @@ template <int Dim> void collect_arms(const law::BondLaw<Dim>& bond, const Stenci
       step[d] = -widest;
     }
   }
-  if (stencil.half.size() > kMaxHalfArms)
-    throw UserError(
-        fmt::format("horizon too wide: {:g} m is {:.4g} times the particle spacing, which makes {} or more bonds "
-                    "per particle; {} are possible",
-                    o.horizon, o.horizon / o.dx, 2 * stencil.half.size(), 2 * kMaxHalfArms));
   for (const Arm<Dim>& arm : stencil.half)
     for (const Index s : arm.step) stencil.reach = std::max(stencil.reach, std::abs(s));
 }
@@ -153,6 +153,15 @@ template <int Dim> Stencil<Dim> make_stencil(const StencilOptions& options)
   return stencil;
 }
 
+template <int Dim> void require_bond_words(const Stencil<Dim>& stencil)
+{
+  if (stencil.half.size() > kMaxHalfArms)
+    throw UserError(fmt::format("horizon too wide: {:g} m is {:.4g} times the particle spacing, which makes {} bonds "
+                                "per particle; {} are possible",
+                                stencil.horizon, stencil.horizon / stencil.dx, 2 * stencil.half.size(),
+                                2 * kMaxHalfArms));
+}
+
 template <int Dim> LatticeModuli lattice_moduli(const Stencil<Dim>& stencil)
 {
   LatticeModuli m;
@@ -178,6 +187,8 @@ template struct Stencil<2>;
 template struct Stencil<3>;
 template Stencil<2> make_stencil<2>(const StencilOptions&);
 template Stencil<3> make_stencil<3>(const StencilOptions&);
+template void require_bond_words<2>(const Stencil<2>&);
+template void require_bond_words<3>(const Stencil<3>&);
 template LatticeModuli lattice_moduli<2>(const Stencil<2>&);
 template LatticeModuli lattice_moduli<3>(const Stencil<3>&);
 template double lattice_toughness<2>(const Stencil<2>&, double);

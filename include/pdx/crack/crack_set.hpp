@@ -62,7 +62,8 @@ private:
     Polyline given, seen; ///< seen: mouths prolonged
     geom::Box<2> bounds;  ///< of seen
     Polyline tips;        ///< ends inside the body
-    double tip_reach;     ///< a bond that passes a tip this near meets only the tip [m]
+    Polyline withdrawn;   ///< as seen by bonds that meet a tip: tips drawn back by more than rounding
+    double tip_reach;     ///< a bond that passes a tip this near meets it [m]
   };
   struct Foot;
   Foot foot(int crack, const Vector<2>& x) const;

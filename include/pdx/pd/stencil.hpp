@@ -47,14 +47,16 @@ template <int Dim> struct Stencil {
   double family_volume_full() const;
 };
 
-/// Widest stencil the bond words hold: two words of 64 half arms.
-inline constexpr int kMaxHalfArms = 128;
-
 /// Builds the stencil. Calibration::lattice: each shell k of equal bond length gets a weight gamma_k: the least
 /// sum_k S_k (gamma_k - 1)^2, S_k the shell's share of the stiffness, with exact C11 and C12 (= C66).
-/// Throws UserError for numbers that are not positive, a wrong Poisson's ratio, a horizon that is too wide for the bond
-/// words, and a horizon that has no positive weights.
+/// Throws UserError for numbers that are not positive, a wrong Poisson's ratio, a horizon of more than 20 dx, and a
+/// horizon that has no positive weights.
 template <int Dim> Stencil<Dim> make_stencil(const StencilOptions& options);
+
+/// Widest stencil the bond words hold: two words of 64 half arms.
+inline constexpr int kMaxHalfArms = 128;
+/// Throws UserError for a stencil that is too wide for the bond words: no particles can have it.
+template <int Dim> void require_bond_words(const Stencil<Dim>& stencil);
 
 /// Elastic constants of the lattice: c11 = 1/2 sum c beta V xi n_x^4, c12 = c66 = 1/2 sum c beta V xi n_x^2 n_y^2 over
 /// a full family (gamma included).                                                         [Pa]

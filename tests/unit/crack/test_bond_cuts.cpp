@@ -41,6 +41,21 @@ TEST(BondCuts, MeetingOnlyTheTipStays)
   }
 }
 
+// A tip on the line of a bond, or on the bond itself, says nothing about the rest of the crack.
+TEST(BondCuts, CrossingElsewhereIsCutWhereverTheTipIs)
+{
+  const Polyline hook{{0, 0}, {4, 0}, {4, 2}, {2, 2}, {2, 1}}; // a tip at either end
+  for (const Polyline& crack : {hook, Polyline(hook.rbegin(), hook.rend())}) {
+    const CrackSet cracks({crack}, kBody);
+    EXPECT_TRUE(cuts(cracks, {2, -1}, {2, 0.5}));    // towards the tip, across the first piece
+    EXPECT_TRUE(cuts(cracks, {2, -1}, {2.25, 1.5})); // beside the tip
+    EXPECT_TRUE(cuts(cracks, {1, -1}, {2.5, 1.25})); // across the first piece only
+    EXPECT_TRUE(cuts(cracks, {1, 1}, {5, 1}));       // through the tip and across the third piece
+    EXPECT_FALSE(cuts(cracks, {1, 1}, {3, 1}));      // through the tip only
+    EXPECT_TRUE(cuts(cracks, {1, 1.5}, {3, 1.5}));
+  }
+}
+
 TEST(BondCuts, ThroughACornerIsCut)
 {
   const CrackSet straight({{{1, 1}, {2, 1}, {3, 1}}}, kBody), bent({{{1, 1}, {2, 1}, {3, 2}}}, kBody);

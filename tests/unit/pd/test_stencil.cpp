@@ -171,16 +171,25 @@ TEST(Stencil, RefusesHorizonsItCannotServe)
   const auto lattice = Calibration::lattice;
   EXPECT_THROW(pd::make_stencil<2>(options<2>(0.5, Micromodulus::conical, lattice)), UserError);
   EXPECT_THROW(pd::make_stencil<2>(options<2>(1.2, Micromodulus::conical, lattice)), UserError); // only shell: 1
-  EXPECT_THROW(pd::make_stencil<2>(options<2>(12.0, Micromodulus::conical, lattice)), UserError);
-  EXPECT_THROW(pd::make_stencil<3>(options<3>(6.0, Micromodulus::conical, lattice)), UserError);
-  EXPECT_NO_THROW(pd::make_stencil<2>(options<2>(8.0, Micromodulus::conical, lattice)));
+  EXPECT_THROW(pd::make_stencil<2>(options<2>(20.5, Micromodulus::conical, lattice)), UserError);
   try {
     pd::make_stencil<2>(options<2>(1.2, Micromodulus::conical, lattice));
   } catch (const UserError& error) {
     EXPECT_NE(std::string(error.what()).find("horizon of 1.2 times"), std::string::npos) << error.what();
   }
+}
+
+TEST(Stencil, KnowsWhatBondWordsHold)
+{
+  const auto lattice = Calibration::lattice;
+  EXPECT_NO_THROW(pd::require_bond_words(pd::make_stencil<2>(options<2>(8.0, Micromodulus::conical, lattice))));
+  EXPECT_NO_THROW(pd::require_bond_words(pd::make_stencil<3>(options<3>(4.0, Micromodulus::conical, lattice))));
+  const auto wide = pd::make_stencil<3>(options<3>(6.0, Micromodulus::conical, lattice));
+  EXPECT_EQ(wide.half.size(), 447u); // of the 925 lattice points within 6 dx, 30 are at 6 dx and one is the particle
+  EXPECT_THROW(pd::require_bond_words(wide), UserError);
   try {
-    pd::make_stencil<2>(options<2>(12.0, Micromodulus::conical, lattice));
+    pd::require_bond_words(pd::make_stencil<2>(options<2>(12.0, Micromodulus::conical, lattice)));
+    ADD_FAILURE() << "not refused";
   } catch (const UserError& error) {
     EXPECT_NE(std::string(error.what()).find("horizon too wide"), std::string::npos) << error.what();
   }

@@ -48,12 +48,12 @@ template <int Dim> void expect_gc(double ratio, Micromodulus shape, Calibration 
 
 TEST(Toughness, PartingARowCostsGcExactly)
 {
-  for (const auto calibration : {Calibration::continuum, Calibration::lattice}) {
+  for (const auto calibration : {Calibration::continuum, Calibration::lattice})
     for (const auto shape : {Micromodulus::conical, Micromodulus::uniform})
-      for (const double ratio : {3.0, 3.015, 4.0, 6.0}) expect_gc<2>(ratio, shape, calibration);
-    for (const double ratio : {3.0, 3.015, 4.0}) expect_gc<3>(ratio, Micromodulus::conical, calibration);
-    for (const double ratio : {3.0, 3.015}) expect_gc<3>(ratio, Micromodulus::uniform, calibration);
-  }
+      for (const double ratio : {3.0, 3.015, 4.0, 6.0}) {
+        expect_gc<2>(ratio, shape, calibration);
+        expect_gc<3>(ratio, shape, calibration);
+      }
 }
 
 // The bonds that a crack between two rows of a real window cuts, counted for the particles' middle columns.
