@@ -105,6 +105,66 @@ class Ranks(program.ProgramTest):
             self.assert_same_displacement(*runs, tolerance=1e-5)
 
 
+def numbers_of(value, path=()):
+    """All numbers of nested results, by the names on the way to them."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else None
+    if items is None:
+        return {path: value}
+    return {key: number for name, item in items for key, number in numbers_of(item, (*path, name)).items()}
+
+
+class Cracked(program.ProgramTest):
+    """The smoke runs of the cases with cracks, the beam up to its first broken bonds."""
+
+    NOTCH = {"-options_file": "cases/double_notch/smoke.opts", "-quiet": ""}
+    BEAM = {
+        "-options_file": "cases/dcb/smoke.opts",
+        "-bc_top_displacement": "0,0.64e-6",
+        "-bc_bottom_displacement": "0,-0.64e-6",
+        "-load_steps": "2",
+        "-quiet": "",
+    }
+
+    def assert_numbers_agree(self, options, exact, close, noise):
+        """The results that `exact` names are equal, those that `close` names to 1e-7 of the largest of that name, and
+        displacements are close. `noise` is what is left of larger numbers; nothing else is there."""
+        alone = self.solve(options)
+        first = numbers_of(alone.summary["results"])
+        self.assertEqual({key[0] for key in first}, set(exact + close + noise))
+        for ranks in (2, 3):
+            with self.subTest(ranks=ranks):
+                run = self.solve(options, ranks)
+                self.assert_same_displacement(alone, run, 1e-8)
+                self.assertEqual(run.summary["bonds_broken"], alone.summary["bonds_broken"])
+                second = numbers_of(run.summary["results"])
+                self.assertEqual(first.keys(), second.keys())
+                for key, value in first.items():
+                    if key[0] in exact:
+                        self.assertEqual(second[key], value, key)
+                    elif key[0] in close:
+                        largest = max(abs(v) for k, v in first.items() if k[0] == key[0])
+                        self.assertAlmostEqual(second[key], value, delta=1e-7 * largest, msg=key)
+        return alone.summary
+
+    CUTS = ("cut_elements", "enriched_sets", "enriched_sets_dropped", "crack_length", "crack_tips",
+            "load_steps_accepted", "passes", "halvings", "particles_held")
+    ENERGIES = ("strain_energy", "strain_energy_elements", "strain_energy_bonds", "strain_energy_interface",
+                "external_work", "max_displacement_component")
+
+    def test_double_notch(self):
+        j = ("energy_release_rate", "j_by_contour", "j_integral", "stress_intensity", "tips")
+        self.assert_numbers_agree(self.NOTCH, self.CUTS, self.ENERGIES + j, ("reaction",))
+
+    def test_beam_that_breaks(self):
+        broken = ("critical_stretch", "tips", "peak_reaction_load")
+        forces = ("reaction", "peak_reaction", "peak_reaction_per_thickness", "fracture_energy")
+        summary = self.assert_numbers_agree(
+            self.BEAM, self.CUTS + broken, self.ENERGIES + forces, ("energy_balance_error",)
+        )
+        self.assertGreater(summary["bonds_broken"], 10)
+        self.assertGreater(summary["results"]["crack_length"], 0.3e-3)
+
+
 class Repeats(program.ProgramTest):
     def datasets(self, run):
         found = {}
@@ -118,8 +178,9 @@ class Repeats(program.ProgramTest):
         return found
 
     def test_fields_are_the_same_to_the_last_bit(self):
-        for options in (PATCH, PATCH | {"-couple_scheme": "ghost", "-kinematics": "finite"}):
-            with self.subTest(scheme=options.get("-couple_scheme", "energy")):
+        scenes = (PATCH, PATCH | {"-couple_scheme": "ghost", "-kinematics": "finite"}, Cracked.NOTCH, Cracked.BEAM)
+        for options in scenes:
+            with self.subTest(scheme=options.get("-couple_scheme"), case=options.get("-options_file")):
                 first, second = (self.datasets(self.solve(options | FIELDS, 2)) for _ in range(2))
                 self.assertEqual(first.keys(), second.keys())
                 self.assertGreater(len(first), 5)

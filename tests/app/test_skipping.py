@@ -4,9 +4,14 @@ Usage: test_skipping.py PDXSOLVE [unittest arguments].
 """
 
 import program
-from program import SMALL, SMALL_PATCH
+from program import PATCH, SMALL, SMALL_PATCH
 
 ALL_PARTICLES = SMALL | {"-mesh_cells": None, "-pd_patches": "all", "-pd_spacing": "0.05"}
+NOTCH = {"-crack_names": "notch", "-crack_notch_points": "0.5,0.5,1,0.5"}  # from the loaded side to the middle
+CUT_ELEMENTS = SMALL | {"-mesh_cells": "5,5", "-crack_names": "cut", "-crack_cut_points": "0,0.5,1,0.5"}
+CUT_BOTH = PATCH | NOTCH | {"-mesh_cells": "20,15", "-pd_patches": "0.3,0.3333333333333333,0.7,0.6666666666666667",
+                            "-pd_spacing": "0.016666666666666667"}
+NEVER = {"-material_toughness": "1e12"}  # [J/m^2] nothing reaches it
 
 
 def of_room(events, room):
@@ -37,6 +42,34 @@ class Rooms(program.ProgramTest):
         self.assertEqual(plain.events, compared.events)
         self.assertIn("max_relative_error_percent", compared.summary["results"])
         self.assertNotIn("max_relative_error_percent", plain.summary["results"])
+
+
+class Cracks(program.ProgramTest):
+    def test_scene_without_cracks_and_toughness_neither_cuts_nor_breaks(self):
+        for base in (SMALL, SMALL_PATCH, ALL_PARTICLES):
+            with self.subTest(patches=base.get("-pd_patches")):
+                events = self.solve(base).events
+                self.assertEqual(of_room(events, "xfem"), [])
+                self.assertEqual({"pd_cut", "pd_break"} & events.keys(), set())
+
+    def test_crack_in_elements_only_runs_no_bonds(self):
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                run = self.solve(CUT_ELEMENTS, ranks)
+                self.assertEqual([of_room(run.events, room) for room in ("pd", "couple")], [[], []])
+                self.assertTrue(of_room(run.events, "xfem"))
+
+    def test_crack_inside_a_patch_cuts_bonds_once_and_no_elements(self):
+        inside = {"-crack_names": "slit", "-crack_slit_points": "0.4,0.5,0.6,0.5"}
+        events = self.solve(PATCH | inside).events
+        self.assertEqual(of_room(events, "xfem"), [])
+        self.assertEqual(events["pd_cut"], 1)
+        self.assertNotIn("pd_break", events)
+
+    def test_crack_into_a_patch_runs_both(self):
+        events = self.solve(CUT_BOTH).events
+        self.assertTrue(of_room(events, "xfem"))
+        self.assertEqual(events["pd_cut"], 1)
 
 
 class Files(program.ProgramTest):
@@ -72,6 +105,21 @@ class Work(program.ProgramTest):
                 self.assert_work(run, steps=3, newton_iterations=3, jacobian_assemblies=1, factorizations=1)
                 self.assertEqual(run.events["solve_jacobian"], 1)
                 self.assert_linear_response(run.history())
+
+    def test_cracks_leave_a_linear_scene_linear(self):
+        for base in (CUT_ELEMENTS, CUT_BOTH):
+            with self.subTest(patches=base.get("-pd_patches")):
+                run = self.solve(base | {"-load_steps": "3"})
+                self.assert_work(run, steps=3, newton_iterations=3, jacobian_assemblies=1, factorizations=1)
+
+    def test_toughness_that_nothing_reaches_costs_one_look_for_each_solve(self):
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                run = self.solve(CUT_BOTH | NEVER | {"-load_steps": "4"}, ranks)
+                self.assert_work(run, steps=4, newton_iterations=4, jacobian_assemblies=1, factorizations=1)
+                self.assertEqual(run.events["pd_break"], 4)
+                self.assertEqual(run.events["solve_jacobian"], 1)
+                self.assertEqual(run.summary["bonds_broken"], 0)
 
     def assert_linear_response(self, rows):
         """Energies grow with the square of the load, reactions with the load; forces on the unit square balance."""
