@@ -177,6 +177,7 @@ private:
     // A bond that meets the border where the crack does moves there with its own side, from whichever side it comes.
     const Vector<2> touch = options_.scheme == Scheme::energy ? Vector<2>(kTouch * acts) : Vector<2>(Vector<2>::Zero());
     draft.cut = options_.cracks && options_.cracks->cuts(begin + touch, begin + acts - touch);
+    for (const Host* host : {&draft.a, &draft.b, &draft.force_a, &draft.force_b}) draft.cut = draft.cut || host->across;
     for (const geom::Box<2>& box : options_.no_fail)
       for (const Vector<2>& end : ends) draft.no_fail = draft.no_fail || box.contains(end);
   }

@@ -53,6 +53,10 @@ struct Surroundings::Trace {
   const std::vector<Edge>& edges;
   const crack::CrackSet* cracks;
   Vector<2> from; // [m]
+  double face;    // the side's coordinate [m]
+
+  /// Does the element behind move as a whole with the other side of its crack?
+  bool across(const Edge& edge) const { return edge.snapped && edge.snapped != cracks->side(edge.crack, from); }
 
   bool add(Host& host, const Edge& edge, std::size_t end, double weight) const
   {
@@ -76,6 +80,7 @@ struct Surroundings::Trace {
     const Edge* edge = edge_at(s);
     const double t = std::clamp((s - edge->begin) / (edge->end - edge->begin), 0.0, 1.0);
     Host host;
+    host.across = across(*edge);
     (void)add(host, *edge, 0, 1.0 - t);
     (void)add(host, *edge, 1, t);
     return host;
@@ -106,11 +111,13 @@ struct Surroundings::Trace {
       filled += share;
     }
     if (std::abs(filled - 1.0) > 1e-6) return std::nullopt;
+    if (std::ranges::any_of(parts, [this](const auto& part) { return across(*part.first); })) return std::nullopt;
     for (const auto& [cut, ignored] : parts)
       for (const auto& [whole, place] : parts) {
         if (cut->crack < 0 || whole->crack == cut->crack) continue;
-        Vector<2> x = from;
+        Vector<2> x;
         x[along] = place;
+        x[1 - along] = face;
         if (cracks->side(cut->crack, x) != cracks->side(cut->crack, from)) return std::nullopt;
       }
     return host;
@@ -170,7 +177,7 @@ std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>&
     const double towards = inward[1 - d] > near ? near : inward[1 - d] < -near ? -near : 0.0;
     const auto cells = shape_.lattice.count[static_cast<std::size_t>(1 - d)];
     const double cell = std::clamp(std::floor((s + towards - start) / dx), 0.0, cells - 1.0);
-    const Trace trace{sides_[side], cracks_, x + inward};
+    const Trace trace{sides_[side], cracks_, x + inward, face};
     const auto host = trace.mean_over({start + cell * dx, start + (cell + 1.0) * dx}, s, 1 - d);
     return host ? host : trace.at(s);
   }
@@ -211,6 +218,7 @@ Host Surroundings::host_in_cell(const Scene& scene, Index cell, const Vector<2>&
   const auto weights = mesh::bilinear_weights(scene.mesh.corners(cell), x);
   const xfem::CutElement* cut = scene.sets ? scene.sets->cut(cell) : nullptr;
   Host host;
+  host.across = cut && cut->snapped && *cut->snapped != xfem::side_of(scene.sets->cracks().side(cut->crack, x));
   for (std::size_t a = 0; a < 4; ++a) {
     (void)host.add(scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cell)[a])], weights[a]);
     const double factor = cut ? xfem::set_factor(*cut, a, scene.sets->side_in(*cut, x)) : 0.0;

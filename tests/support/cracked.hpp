@@ -9,13 +9,24 @@ struct SidedField {
   Field plus, minus;
 };
 
+/// The side whose displacement a node or particle row has. A node that a crack passes within the tolerance is on the
+/// crack's left for the elements, wherever CrackSet::side sees it: nodes with a set know.
+inline xfem::Side side_of_row(Scene& scene, Index row)
+{
+  const app::Discretisation& d = scene.d();
+  if (d.sets && row < scene.rows().nodes)
+    for (const Index v : d.sets->vertices())
+      if (d.node_rows[static_cast<std::size_t>(v)] == scene.rows().first + row) return d.sets->of(v).front().side;
+  return xfem::side_of(d.cracks.side(0, scene.place(row)));
+}
+
 /// What a row has in the sided field: nodes and particles that of their side, enriched sets half the jump.
 inline Vector<2> value_at(Scene& scene, Index row, const SidedField& field)
 {
   const Vector<2> x = scene.place(row);
   const bool set = row >= scene.rows().nodes && row < scene.rows().first_particle();
   if (set) return 0.5 * (field.plus(x) - field.minus(x));
-  return scene.d().cracks.side(0, x) > 0 ? field.plus(x) : field.minus(x);
+  return side_of_row(scene, row) == xfem::Side::plus ? field.plus(x) : field.minus(x);
 }
 
 /// The sided field at all rows, [owned | halo].

@@ -1,5 +1,6 @@
 #include "support/cracked.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 namespace pdx::test {
@@ -56,6 +57,7 @@ TEST(CutPlate, HalvesMoveRigidlyWithoutForceAtTwoHundredRandomCuts)
 
 TEST(CutPlate, ConstantStrainOnEitherSideIsExact)
 {
+  const Option tight("-ksp_rtol", "1e-12");
   int tested = 0;
   for (const Cut& cut : random_cuts(40)) {
     Scene scene(cut_plate(through_crack(cut.point, cut.angle)), true);
@@ -67,7 +69,7 @@ TEST(CutPlate, ConstantStrainOnEitherSideIsExact)
     tested += !moved;
     EXPECT_LT(sided_error(scene, u.get(), field), moved ? 1e-3 : 1e-9) << cut.point.transpose() << " at " << cut.angle;
   }
-  EXPECT_GT(tested, 30);
+  EXPECT_GE(tested, 25); // a slanted cut has such a sliver in one case out of four
 }
 
 TEST(CutPlate, GridQuadratureMovesHalvesRigidlyToo)
@@ -96,6 +98,58 @@ TEST(CutPlate, IterationsStayBoundedAsTheCrackNearsANode)
     iterations.push_back(scene.report().linear_iterations);
   }
   EXPECT_LT(*std::max_element(iterations.begin(), iterations.end()), 60);
+}
+
+/// Largest over smallest eigenvalue of the assembled matrix, as it is and with its rows and columns scaled to a
+/// diagonal of ones.
+struct Condition {
+  double raw, scaled;
+};
+
+double condition(const Eigen::MatrixXd& matrix)
+{
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
+  EXPECT_GT(values[0], 0.0);
+  return values[values.size() - 1] / values[0];
+}
+
+Condition condition_of(Scene& scene)
+{
+  solve::TangentOperator tangent(scene.system(), true);
+  tangent.update(scene.blocks(affine(0.0, 0.0, 0.0, 0.0)));
+  std::vector<Index> free; // rows of held components are no equations
+  for (Index k = 0; k < 2 * scene.rows().owned(); ++k)
+    if (!scene.system().held[static_cast<std::size_t>(k)]) free.push_back(k);
+  const auto size = static_cast<Eigen::Index>(free.size());
+  Eigen::MatrixXd k(size, size);
+  for (Eigen::Index i = 0; i < size; ++i)
+    for (Eigen::Index j = 0; j < size; ++j) {
+      const Index row = free[static_cast<std::size_t>(i)], column = free[static_cast<std::size_t>(j)];
+      PDX_CALL(MatGetValue(tangent.matrix(), row, column, &k(i, j)));
+    }
+  const Eigen::VectorXd scale = k.diagonal().cwiseSqrt().cwiseInverse();
+  return {condition(k), condition(scale.asDiagonal() * k * scale.asDiagonal())};
+}
+
+/// Away from nodes an enriched row is as stiff as a node's; rows of a side with little support are softer, down to the
+/// share below which they are dropped.
+TEST(CutPlate, ConditionStaysBoundedAsTheCrackNearsANode)
+{
+  const double h = 1.0 / 6.0;
+  for (const bool patch : {false, true}) {
+    const Vector<2> node = patch ? Vector<2>(1.0 / 3.0, 0.5) : Vector<2>(0.5, 0.5); // on the border of the patch
+    for (const double angle : {0.0, 0.3, 0.78539816339744831})
+      for (int power = 1; power <= 14; ++power) {
+        const Vector<2> near = node + Vector<2>(0.0, h * std::pow(10.0, -power));
+        app::SceneOptions options = cut_plate(through_crack(near, angle), {6, 6});
+        if (patch) options = with_patch(options, {{1.0 / 3.0, 1.0 / 3.0}, {2.0 / 3.0, 2.0 / 3.0}}, h / 4.0);
+        Scene scene(options, true, PETSC_COMM_SELF);
+        const Condition found = condition_of(scene);
+        EXPECT_LT(found.scaled, patch ? 200.0 : 50.0) << "at 1e-" << power << " h, angle " << angle;
+        EXPECT_LT(found.raw, 1e7) << "at 1e-" << power << " h, angle " << angle;
+      }
+  }
 }
 
 app::SceneOptions cut_patch(const Cut& cut, couple::Scheme scheme, double dx)
@@ -128,13 +182,14 @@ TEST(CutPatch, HalvesMoveRigidlyWithBrokenRatios)
 
 TEST(CutPatch, SolvesToRigidHalvesMatrixFreeInFewIterations)
 {
+  const Option tight("-ksp_rtol", "1e-12");
   for (const Cut& cut : {Cut{{0.5, 0.5}, 0.0}, Cut{{0.5, 0.52}, 0.4}, Cut{{0.48, 0.5}, 1.2}}) {
     Scene scene(cut_patch(cut, couple::Scheme::energy, 0.02));
     const SidedField field{rigid(0.3, -0.2, 0.5), rigid(-0.1, 0.4, -0.7)};
     prescribe_sided(scene, field);
     const VecHandle u = scene.solve();
     EXPECT_LT(sided_error(scene, u.get(), field), 1e-8);
-    EXPECT_LE(scene.report().linear_iterations, 25) << cut.angle;
+    EXPECT_LE(scene.report().linear_iterations, 40) << cut.angle;
   }
 }
 } // namespace
