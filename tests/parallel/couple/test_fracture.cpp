@@ -132,6 +132,17 @@ TEST(Fracture, TheSameBondsBreakOnAnyNumberOfRanks)
   }
 }
 
+// The share of bonds above which an increment is halved is one of all ranks' bonds.
+TEST(Fracture, BondsAtTheStartAreThoseOfAllRanks)
+{
+  auto options = plate();
+  options.fracture.critical_stretch = 0.05;
+  const auto count = [&](MPI_Comm comm) {
+    return static_cast<double>(test::Scene(options, false, comm).d().bonds_at_start);
+  };
+  EXPECT_EQ(count(PETSC_COMM_WORLD), test::on_one_rank(count));
+}
+
 TEST(Fracture, WorstBreaksTheMostStretchedAndTheirMirrorImages)
 {
   test::Scene scene(plate());

@@ -10,6 +10,7 @@ struct Case {
   Scheme scheme;
   app::Kinematics kinematics;
   bool surface = false; ///< volume method everywhere, the papers' constants
+  bool cracked = false; ///< by a crack through elements into a patch, and by bonds that broke
 };
 
 const std::vector<Case>& cases()
@@ -19,7 +20,8 @@ const std::vector<Case>& cases()
     std::vector<Case> list;
     for (const Scheme scheme : {Scheme::energy, Scheme::ghost, Scheme::interface})
       for (const Kinematics kinematics : {Kinematics::small, Kinematics::finite, Kinematics::mixed})
-        for (const bool surface : {false, true}) list.push_back({scheme, kinematics, surface});
+        for (const bool surface : {false, true})
+          for (const bool cracked : {false, true}) list.push_back({scheme, kinematics, surface, cracked});
     return list;
   }();
   return all;
@@ -30,7 +32,7 @@ std::string name(const Case& c)
   const char* schemes[] = {"energy", "ghost", "interface"};
   const char* kinematics[] = {"small", "finite", "mixed"};
   return std::string(schemes[static_cast<int>(c.scheme)]) + ", " + kinematics[static_cast<int>(c.kinematics)] +
-         (c.surface ? ", surface correction" : "");
+         (c.surface ? ", surface correction" : "") + (c.cracked ? ", cracked" : "");
 }
 
 /// One patch inside, one that reaches the free right side of the plate, which is held on the left.
@@ -46,6 +48,10 @@ app::SceneOptions plate(const Case& c)
     options.pd.calibration = pd::Calibration::continuum;
     options.pd.surface_correction = app::SurfaceCorrection::volume;
   }
+  if (c.cracked) {
+    options.cracks.lines = {{{0.0, 0.45}, {0.37, 0.41}}};
+    options.fracture.critical_stretch = 0.08;
+  }
   return options;
 }
 
@@ -53,6 +59,20 @@ app::SceneOptions plate(const Case& c)
 test::Field wild(std::uint64_t seed, double size = 5e-3)
 {
   return [field = test::noise(seed), size](const Vector<2>& x) -> Vector<2> { return size * field(x); };
+}
+
+/// The plate with, if cracked, some of its bonds broken.
+std::unique_ptr<test::Scene> make(const Case& c, bool assembled = false, MPI_Comm comm = PETSC_COMM_WORLD)
+{
+  auto scene = std::make_unique<test::Scene>(plate(c), assembled, comm);
+  app::Discretisation& d = scene->d();
+  EXPECT_EQ(d.cut_elements != nullptr, c.cracked);
+  if (!c.cracked) return scene;
+  const auto u = scene->blocks(wild(4));
+  const std::int64_t broken = d.fracture->apply(u);
+  EXPECT_GT(broken, 20) << name(c);
+  EXPECT_LT(broken, d.bonds_at_start / 2) << name(c);
+  return scene;
 }
 
 /// The same field, 0 at prescribed components.
@@ -87,7 +107,8 @@ VecHandle product(Mat matrix, Vec x)
 TEST(Tangent, MatrixFreeAndAssembledAreTheSame)
 {
   for (const Case& c : cases()) {
-    test::Scene free(plate(c)), whole(plate(c), true);
+    const auto first = make(c), second = make(c, true);
+    test::Scene &free = *first, &whole = *second;
     solve::TangentOperator shell(free.system(), false), matrix(whole.system(), true);
     shell.update(free.blocks(wild(1)));
     matrix.update(whole.blocks(wild(1)));
@@ -106,7 +127,8 @@ TEST(Tangent, MatrixFreeAndAssembledAreTheSame)
 TEST(Tangent, SymmetricInTheEnergyAndGhostSchemesOnly)
 {
   for (const Case& c : cases()) {
-    test::Scene scene(plate(c));
+    const auto made = make(c);
+    test::Scene& scene = *made;
     solve::TangentOperator tangent(scene.system(), false);
     tangent.update(scene.blocks(wild(1)));
     const VecHandle x = scene.vector(wild(2, 1.0)), y = scene.vector(wild(3, 1.0));
@@ -121,7 +143,8 @@ TEST(Tangent, IsTheChangeOfTheForce)
 {
   constexpr double kStep = 1e-6;
   for (const Case& c : cases()) {
-    test::Scene scene(plate(c));
+    const auto made = make(c);
+    test::Scene& scene = *made;
     solve::TangentOperator tangent(scene.system(), false);
     tangent.update(scene.blocks(wild(1)));
     const VecHandle v = free_part(scene, wild(2, 1.0)), kv = product(tangent.matrix(), v.get());
@@ -152,7 +175,8 @@ TEST(Tangent, ForceIsTheChangeOfTheEnergy)
   constexpr double kStep = 1e-5;
   for (const Case& c : cases()) {
     if (c.scheme == Scheme::interface) continue; // has no energy
-    test::Scene scene(plate(c));
+    const auto made = make(c);
+    test::Scene& scene = *made;
     const VecHandle v = scene.vector(wild(2, 1e-2)); // in all components: nothing is held here
     const auto energy_at = [&](double step) {
       VecHandle u = scene.vector(wild(1));
@@ -175,8 +199,8 @@ TEST(Tangent, EnergyDoesNotDependOnTheNumberOfRanks)
 {
   for (const Case& c : cases()) {
     const auto energy = [&](MPI_Comm comm) {
-      const test::Scene scene(plate(c), false, comm);
-      return scene.energy(scene.blocks(wild(1)));
+      const auto scene = make(c, false, comm);
+      return scene->energy(scene->blocks(wild(1)));
     };
     const double alone = test::on_one_rank(energy);
     EXPECT_GT(alone, 1e-5) << name(c);
