@@ -127,7 +127,8 @@ class Cracked(program.ProgramTest):
 
     def assert_numbers_agree(self, options, exact, close, noise):
         """The results that `exact` names are equal, those that `close` names to 1e-7 of the largest of that name, and
-        displacements are close. `noise` is what is left of larger numbers; nothing else is there."""
+        displacements are close. `noise` is what is left of larger numbers or depends on the ranks; nothing else is
+        there."""
         alone = self.solve(options)
         first = numbers_of(alone.summary["results"])
         self.assertEqual({key[0] for key in first}, set(exact + close + noise))
@@ -153,14 +154,13 @@ class Cracked(program.ProgramTest):
 
     def test_double_notch(self):
         j = ("energy_release_rate", "j_by_contour", "j_integral", "stress_intensity", "tips")
-        self.assert_numbers_agree(self.NOTCH, self.CUTS, self.ENERGIES + j, ("reaction",))
+        self.assert_numbers_agree(self.NOTCH, self.CUTS, self.ENERGIES + j, ("reaction", "solve_iterations"))
 
     def test_beam_that_breaks(self):
-        broken = ("critical_stretch", "tips", "peak_reaction_load")
+        broken = ("critical_stretch", "tips", "solve_bonds_broken")
         forces = ("reaction", "peak_reaction", "peak_reaction_per_thickness", "fracture_energy")
-        summary = self.assert_numbers_agree(
-            self.BEAM, self.CUTS + broken, self.ENERGIES + forces, ("energy_balance_error",)
-        )
+        noise = ("energy_balance_error", "peak_reaction_load", "solve_iterations", "solve_seconds")
+        summary = self.assert_numbers_agree(self.BEAM, self.CUTS + broken, self.ENERGIES + forces, noise)
         self.assertGreater(summary["bonds_broken"], 10)
         self.assertGreater(summary["results"]["crack_length"], 0.3e-3)
 
