@@ -2,6 +2,7 @@
 
 #include "pdx/app/apply_conditions.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/geom/clip.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 
 #include <algorithm>
@@ -19,11 +20,28 @@ pd::Kinematics bond_kinematics(const SceneOptions& options)
   return options.kinematics == Kinematics::small ? pd::Kinematics::linear : pd::Kinematics::finite;
 }
 
-/// Cuts the elements; the cracks may leave the body, but not start outside it.
+/// A crack may leave the body, but must be somewhere in it.
+void refuse_cracks_outside(const std::vector<crack::Polyline>& cracks, const geom::Box<2>& body)
+{
+  for (std::size_t k = 0; k < cracks.size(); ++k) {
+    bool inside = cracks[k].size() < 2; // another error
+    for (std::size_t p = 0; p + 1 < cracks[k].size(); ++p)
+      inside = inside || geom::clip<2>(cracks[k][p], cracks[k][p + 1], body);
+    if (!inside)
+      throw UserError(fmt::format("crack {}: from ({:g}, {:g}) to ({:g}, {:g}) no part of it is in the body, which is "
+                                  "({:g}, {:g}) to ({:g}, {:g})",
+                                  k + 1, cracks[k].front().x(), cracks[k].front().y(), cracks[k].back().x(),
+                                  cracks[k].back().y(), body.lower.x(), body.lower.y(), body.upper.x(),
+                                  body.upper.y()));
+  }
+}
+
 void cut_cells(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
 {
   if (options.cracks.lines.empty()) return;
-  d.cracks = crack::CrackSet(options.cracks.lines, options.mesh.file.empty() ? plan.body : mesh.bounds());
+  const geom::Box<2> body = options.mesh.file.empty() ? plan.body : mesh.bounds();
+  d.cracks = crack::CrackSet(options.cracks.lines, body);
+  refuse_cracks_outside(options.cracks.lines, body);
   d.sets = std::make_unique<xfem::EnrichedSets>(mesh, d.cracks, options.cracks.rule);
 }
 

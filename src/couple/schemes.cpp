@@ -174,10 +174,11 @@ private:
   /// Is the part of the bond that acts cut by a crack, and may it break?
   void judge(Draft& draft, const Vector<2>& begin, const Vector<2>& acts, const std::array<Vector<2>, 2>& ends) const
   {
-    // A bond that meets the border where the crack does moves there with its own side, from whichever side it comes.
-    const Vector<2> touch = options_.scheme == Scheme::energy ? Vector<2>(kTouch * acts) : Vector<2>(Vector<2>::Zero());
-    draft.cut = options_.cracks && options_.cracks->cuts(begin + touch, begin + acts - touch);
-    for (const Host* host : {&draft.a, &draft.b, &draft.force_a, &draft.force_b}) draft.cut = draft.cut || host->across;
+    const bool moved = draft.a.across || draft.b.across || draft.force_a.across || draft.force_b.across;
+    // A bond that meets the border where a crack enters moves there with its own side, from whichever side it comes.
+    const auto touch = [&acts](const Host& end) { return Vector<2>((end.sided ? kTouch : 0.0) * acts); };
+    draft.cut =
+        moved || (options_.cracks && options_.cracks->cuts(begin + touch(draft.a), begin + acts - touch(draft.b)));
     for (const geom::Box<2>& box : options_.no_fail)
       for (const Vector<2>& end : ends) draft.no_fail = draft.no_fail || box.contains(end);
   }

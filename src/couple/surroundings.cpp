@@ -55,14 +55,15 @@ struct Surroundings::Trace {
   Vector<2> from; // [m]
   double face;    // the side's coordinate [m]
 
-  /// Does the element behind move as a whole with the other side of its crack?
-  bool across(const Edge& edge) const { return edge.snapped && edge.snapped != cracks->side(edge.crack, from); }
-
   bool add(Host& host, const Edge& edge, std::size_t end, double weight) const
   {
     if (!host.add(edge.rows[end], weight)) return false;
+    if (edge.crack < 0) return true;
+    const xfem::Side of_from = xfem::side_of(cracks->side(edge.crack, from));
+    const xfem::Side side = edge.snapped ? xfem::side_of(edge.snapped) : of_from;
+    host.across = host.across || side != of_from;
+    host.sided = host.sided || !edge.snapped;
     if (edge.sets[end] < 0) return true;
-    const xfem::Side side = edge.snapped ? xfem::side_of(edge.snapped) : xfem::side_of(cracks->side(edge.crack, from));
     const double factor = xfem::shifted_step(side, edge.node_side[end]);
     return factor == 0.0 || host.add(edge.sets[end], weight * factor);
   }
@@ -80,7 +81,6 @@ struct Surroundings::Trace {
     const Edge* edge = edge_at(s);
     const double t = std::clamp((s - edge->begin) / (edge->end - edge->begin), 0.0, 1.0);
     Host host;
-    host.across = across(*edge);
     (void)add(host, *edge, 0, 1.0 - t);
     (void)add(host, *edge, 1, t);
     return host;
@@ -110,8 +110,7 @@ struct Surroundings::Trace {
       parts.emplace_back(edge, 0.5 * (begin + end));
       filled += share;
     }
-    if (std::abs(filled - 1.0) > 1e-6) return std::nullopt;
-    if (std::ranges::any_of(parts, [this](const auto& part) { return across(*part.first); })) return std::nullopt;
+    if (host.across || std::abs(filled - 1.0) > 1e-6) return std::nullopt;
     for (const auto& [cut, ignored] : parts)
       for (const auto& [whole, place] : parts) {
         if (cut->crack < 0 || whole->crack == cut->crack) continue;
@@ -218,7 +217,7 @@ Host Surroundings::host_in_cell(const Scene& scene, Index cell, const Vector<2>&
   const auto weights = mesh::bilinear_weights(scene.mesh.corners(cell), x);
   const xfem::CutElement* cut = scene.sets ? scene.sets->cut(cell) : nullptr;
   Host host;
-  host.across = cut && cut->snapped && *cut->snapped != xfem::side_of(scene.sets->cracks().side(cut->crack, x));
+  host.across = cut && scene.sets->side_in(*cut, x) != xfem::side_of(scene.sets->cracks().side(cut->crack, x));
   for (std::size_t a = 0; a < 4; ++a) {
     (void)host.add(scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cell)[a])], weights[a]);
     const double factor = cut ? xfem::set_factor(*cut, a, scene.sets->side_in(*cut, x)) : 0.0;

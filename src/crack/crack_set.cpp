@@ -17,6 +17,8 @@ constexpr double kTipShare = 1e-9;
 /// Of a tip's reach: a bond that passes the tip within its reach crosses the crack no further behind it, unless it runs
 /// almost along the crack.
 constexpr double kBehindTip = 100.0;
+constexpr double kShiftShare = 1e-10; // of the prolongation: above rounding, below kTipShare
+constexpr double kSharpest = 1e-6;    // 1 + cosine of the turn: below, corners are cut short
 
 /// Distance of x from the segment between a and b, the same for (b, a).
 double distance(const Vector<2>& x, Vector<2> a, Vector<2> b)
@@ -52,6 +54,21 @@ void check(const Polyline& points, std::size_t number)
                            text(points[i]), text(points[j])));
 }
 
+/// The chain moved to its right by `shift` [m].
+Polyline shifted(const Polyline& points, double shift)
+{
+  const auto right_of = [&points](std::size_t k) {
+    const Vector<2> along = direction(points[k], points[k + 1]);
+    return Vector<2>(along.y(), -along.x());
+  };
+  Polyline moved = points;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vector<2> before = right_of(k == 0 ? 0 : k - 1), after = right_of(std::min(k, points.size() - 2));
+    moved[k] += shift / std::max(1.0 + before.dot(after), kSharpest) * (before + after);
+  }
+  return moved;
+}
+
 geom::Box<2> bounds_of(const Polyline& points)
 {
   geom::Box<2> box{points[0], points[0]};
@@ -85,7 +102,7 @@ CrackSet::CrackSet(std::vector<Polyline> cracks, const Inside& inside, double pr
 
 void CrackSet::add(Polyline points, const Inside& inside, double prolong)
 {
-  Crack crack{points, points, {}, {}, {}, kTipShare * prolong};
+  Crack crack{points, points, {}, {}, {}, {}, kTipShare * prolong};
   const std::size_t end = points.size() - 1;
   for (const bool last : {false, true}) {
     const Vector<2>& at = last ? points[end] : points[0];
@@ -98,7 +115,8 @@ void CrackSet::add(Polyline points, const Inside& inside, double prolong)
     const Vector<2> further = at + prolong * out;
     if (!inside(further)) crack.seen.insert(last ? crack.seen.end() : crack.seen.begin(), further);
   }
-  crack.bounds = bounds_of(crack.seen);
+  crack.parting = shifted(crack.seen, kShiftShare * prolong);
+  crack.bounds = bounds_of(crack.parting);
   crack.withdrawn = crack.seen;
   for (const Vector<2>& tip : crack.tips) {
     const bool last = tip == points[end];
@@ -106,6 +124,7 @@ void CrackSet::add(Polyline points, const Inside& inside, double prolong)
     const double share = std::min(0.5, kBehindTip * crack.tip_reach / back.norm());
     (last ? crack.withdrawn.back() : crack.withdrawn.front()) = tip + share * back;
   }
+  crack.withdrawn = shifted(crack.withdrawn, kShiftShare * prolong);
   cracks_.push_back(std::move(crack));
 }
 
@@ -117,9 +136,8 @@ double CrackSet::length(int crack) const
   return sum;
 }
 
-CrackSet::Foot CrackSet::foot(int crack, const Vector<2>& x) const
+CrackSet::Foot CrackSet::foot(const Polyline& p, const Vector<2>& x)
 {
-  const Polyline& p = cracks_[static_cast<std::size_t>(crack)].seen;
   Foot best;
   for (std::size_t k = 0; k + 1 < p.size(); ++k) {
     const Vector<2> along = p[k + 1] - p[k];
@@ -132,8 +150,8 @@ CrackSet::Foot CrackSet::foot(int crack, const Vector<2>& x) const
 
 int CrackSet::side(int crack, const Vector<2>& x) const
 {
-  const Polyline& p = cracks_[static_cast<std::size_t>(crack)].seen;
-  const Foot f = foot(crack, x);
+  const Polyline& p = cracks_[static_cast<std::size_t>(crack)].parting;
+  const Foot f = foot(p, x);
   const std::size_t corner = f.segment + (f.t >= 1.0 ? 1 : 0);
   if ((f.t <= 0.0 || f.t >= 1.0) && corner > 0 && corner + 1 < p.size())
     return left_at(p[corner - 1], p[corner], p[corner + 1], x) ? 1 : -1;
@@ -143,7 +161,7 @@ int CrackSet::side(int crack, const Vector<2>& x) const
 double CrackSet::signed_distance(int crack, const Vector<2>& x) const
 {
   const Polyline& p = cracks_[static_cast<std::size_t>(crack)].seen;
-  const Foot f = foot(crack, x);
+  const Foot f = foot(p, x);
   const std::size_t corner = f.segment + (f.t >= 1.0 ? 1 : 0);
   const bool at_corner = (f.t <= 0.0 || f.t >= 1.0) && corner > 0 && corner + 1 < p.size();
   const Vector<2>&from = p[f.segment], &to = p[f.segment + 1];
@@ -154,7 +172,7 @@ double CrackSet::signed_distance(int crack, const Vector<2>& x) const
 double CrackSet::beyond(int crack, const Vector<2>& x) const
 {
   const Polyline& p = cracks_[static_cast<std::size_t>(crack)].seen;
-  const Foot f = foot(crack, x);
+  const Foot f = foot(p, x);
   if (f.t <= 0.0 && f.segment == 0) return direction(p[1], p[0]).dot(x - p[0]);
   if (f.t >= 1.0 && f.segment + 2 == p.size()) return direction(p[f.segment], p.back()).dot(x - p.back());
   return 0.0;
@@ -165,7 +183,7 @@ bool CrackSet::cuts(int crack, const Vector<2>& a, const Vector<2>& b) const
   const Crack& c = cracks_[static_cast<std::size_t>(crack)];
   if ((a.cwiseMin(b).array() > c.bounds.upper.array()).any() || (a.cwiseMax(b).array() < c.bounds.lower.array()).any())
     return false;
-  if (!parts(c.seen, a, b)) return false;
+  if (!parts(c.parting, a, b)) return false;
   const bool meets_tip = std::any_of(c.tips.begin(), c.tips.end(),
                                      [&](const Vector<2>& tip) { return distance(tip, a, b) < c.tip_reach; });
   return !meets_tip || parts(c.withdrawn, a, b);

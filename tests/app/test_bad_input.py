@@ -52,6 +52,11 @@ FILES = {
     "no_dash.opts": "-mesh_cells 4,4\nmaterial_young 1e9\n",
     "circle.opts": "-options_file circle.opts\n",
     "blocker": "a regular file\n",
+    "good.cracks": "# a crack a line\n0 0.55, 1 0.55\n\n0,0.3,1,0.3 # another\n",
+    "word.cracks": "0 0.55 0.3 0.55\n0.7 half 1 0.45\n",
+    "odd.cracks": "0 0.55 0.3\n",
+    "comment.cracks": "# nothing but words\n\n",
+    "outside.cracks": "0 0.55 0.3 0.55\n0 55 30 55\n",
 }
 
 
@@ -86,6 +91,11 @@ def patch(name, pattern, **change):
 def from_file(name, pattern, file):
     """A case on the plate read from a file."""
     return Case(name, {"-mesh_file": file}, pattern, FILE)
+
+
+def crack(name, pattern, points, **change):
+    """A case on the plate with one crack."""
+    return plate(name, pattern, crack_names="a", crack_a_points=points, **change)
 
 
 CASES = [
@@ -202,6 +212,62 @@ CASES = [
     plate("plate that can slide", r"slide|move|rigid|held|support", bc_left_displacement="0,free"),
     plate("plate that can rotate", r"rotat|turn|rigid|held|support", bc_left_on=None,
           bc_left_box="-0.1,-0.1,0.1,0.1"),
+    # --- cracks
+    plate("crack without points", r"-crack_a_points\b", crack_names="a"),
+    crack("crack that is not listed", r"-crack_b_points\b", "0,0.55,0.5,0.55", crack_b_points="0,0.2,0.5,0.2"),
+    plate("crack listed twice", r"-crack_names\b.*\ba\b", crack_names="a,a", crack_a_points="0,0.55,0.5,0.55"),
+    crack("crack of one point", r"-crack_a_points\b.*2", "0,0.55"),
+    crack("crack of two and a half points", r"-crack_a_points\b.*5", "0,0.55,0.5,0.55,0.7"),
+    crack("crack with a word in it", r"-crack_a_points\b.*half", "0,half,0.5,0.55"),
+    crack("crack with nan in it", r"-crack_a_points\b.*nan", "0,nan,0.5,0.55"),
+    crack("crack without length", r"crack 1\b.*\(0\.5, 0\.55\).*twice", "0.5,0.55,0.5,0.55"),
+    crack("crack that turns back", r"crack 1\b.*turns back", "0,0.55,0.5,0.55,0.2,0.55"),
+    crack("crack that crosses itself", r"crack 1\b.*meet", "0,0.55,0.5,0.55,0.5,0.7,0.3,0.7,0.3,0.2"),
+    crack("crack in a ring", r"crack 1\b.*meet", "0.2,0.2,0.7,0.2,0.7,0.7,0.2,0.7,0.2,0.2"),
+    crack("crack outside the body", r"crack 1\b.*\(0, 55\).*body.*\(1, 1\)", "0,55,50,55"),
+    plate("cracks that cross in an element", r"cracks 1 and 2\b.*same element.*\(0\.\d+, 0\.\d+\)",
+          crack_names="a,b", crack_a_points="0,0.55,1,0.55", crack_b_points="0.55,0,0.55,1"),
+    plate("missing crack file", r"-crack_file\b.*nowhere\.cracks", crack_file="{dir}/nowhere.cracks"),
+    plate("crack file is a directory", r"-crack_file\b", crack_file="{dir}"),
+    plate("crack file with a word in it", r"word\.cracks.*line 2\b.*number", crack_file="{dir}/word.cracks"),
+    plate("crack file with an odd number", r"odd\.cracks.*line 1\b.*3", crack_file="{dir}/odd.cracks"),
+    plate("crack file of comments", r"comment\.cracks.*no crack", crack_file="{dir}/comment.cracks"),
+    plate("crack of a file outside the body", r"crack 2\b.*body", crack_file="{dir}/outside.cracks"),
+    crack("unknown quadrature", r"-xfem_quadrature\b.*gauss.*polygons.*grid", "0,0.55,1,0.55", xfem_quadrature="gauss"),
+    crack("share of support below zero", r"-xfem_least_share\b.*-0\.1.*0", "0,0.55,1,0.55", xfem_least_share="-0.1"),
+    crack("share of support above a half", r"-xfem_least_share\b.*0\.6.*0\.5", "0,0.55,1,0.55", xfem_least_share="0.6"),
+    # --- toughness, breaking, load path
+    patch("toughness zero", r"-material_toughness\b.*above 0", material_toughness="0"),
+    patch("toughness below zero", r"-material_toughness\b.*above 0", material_toughness="-5"),
+    patch("toughness not a number", r"-material_toughness\b.*nan", material_toughness="nan"),
+    patch("toughness a word", r"-material_toughness\b.*glass", material_toughness="glass"),
+    patch("critical stretch zero", r"-pd_critical_stretch\b.*above 0", pd_critical_stretch="0"),
+    patch("toughness twice", r"-material_toughness\b.*-pd_critical_stretch\b", material_toughness="5",
+          pd_critical_stretch="0.01"),
+    patch("unknown toughness", r"-pd_toughness\b.*papers.*lattice.*continuum", pd_toughness="papers"),
+    patch("box of three numbers that must not fail", r"-pd_no_fail\b.*3.*four", pd_no_fail="0,0,1"),
+    patch("box inside out that must not fail", r"-pd_no_fail\b.*x0 < x1", pd_no_fail="1,0,0,1"),
+    patch("box of words that must not fail", r"-pd_no_fail\b.*left", pd_no_fail="left"),
+    patch("unknown release", r"-pd_release\b.*best.*all.*worst", pd_release="best"),
+    patch("release of nothing", r"-pd_release_share\b.*0", pd_release_share="0"),
+    patch("release of more than all", r"-pd_release_share\b.*1\.5.*1", pd_release_share="1.5"),
+    plate("halvings below zero", r"-load_halvings\b.*-1.*0", load_halvings="-1"),
+    plate("too many halvings", r"-load_halvings\b.*31.*30", load_halvings="31"),
+    plate("no pass", r"-load_passes\b.*0.*at least 1", load_passes="0"),
+    plate("broken share zero", r"-load_broken_share\b.*0", load_broken_share="0"),
+    plate("broken share above all", r"-load_broken_share\b.*2", load_broken_share="2"),
+    # --- J and output
+    patch("contour without size", r"-post_j_contours\b.*above 0", post_j_contours="0.2,0"),
+    patch("contour of a word", r"-post_j_contours\b.*big", post_j_contours="big"),
+    patch("centre of one number", r"-post_j_centre\b.*2", post_j_centre="0.5", post_j_contours="0.2"),
+    plate("ring of one number", r"-post_j_domain\b.*2", post_j_domain="0.2"),
+    plate("ring inside out", r"-post_j_domain\b.*inner.*outer", post_j_domain="0.3,0.2"),
+    patch("energy release of a crack that grows", r"-post_energy_release\b.*toughness", post_energy_release="true",
+          material_toughness="5", crack_names="a", crack_a_points="0,0.5,0.5,0.5"),
+    plate("neither true nor false for energy release", r"-post_energy_release\b.*maybe", post_energy_release="maybe"),
+    plate("neither true nor false for precracks", r"-post_precrack_as_damage\b.*maybe", post_precrack_as_damage="maybe"),
+    plate("output interval zero", r"-output_interval\b.*0.*at least 1", output_interval="0"),
+    plate("output interval not whole", r"-output_interval\b.*1\.5.*whole", output_interval="1.5"),
     # --- files
     plate("missing options file", r"nowhere\.opts", options_file="{dir}/nowhere.opts"),
     plate("options file that names itself", r"circle\.opts.*circle", options_file="{dir}/circle.opts"),
@@ -217,6 +283,9 @@ GOOD = [
     Case("plate at the default Poisson's ratio", {"-material_poisson": None}, "", PLATE),
     Case("patch in plane strain, default ratio", {"-material_poisson": None, "-material_plane": "strain"}, "", PATCH),
     Case("plate from a file", {"-mesh_file": "{dir}/right.msh"}, "", FILE),
+    Case("cracks from a file and by name",
+         {"-crack_file": "{dir}/good.cracks", "-crack_names": "a", "-crack_a_points": "0,0.1,1,0.1"}, "", PLATE),
+    Case("a toughness in the patch", {"-material_toughness": "5"}, "", PATCH),
     Case("traction and displacement on one boundary", {"-bc_left_traction": "0,1e5"}, "", PLATE),
 ]
 

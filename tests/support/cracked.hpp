@@ -9,15 +9,21 @@ struct SidedField {
   Field plus, minus;
 };
 
-/// The side whose displacement a node or particle row has. A node that a crack passes within the tolerance is on the
-/// crack's left for the elements, wherever CrackSet::side sees it: nodes with a set know.
-inline xfem::Side side_of_row(Scene& scene, Index row)
+/// The side with which a vertex moves: of those of cut cells its own, to the mesh's tolerance; without a set that of
+/// the cells that snapped around it.
+inline int node_side(Scene& scene, Index vertex)
 {
-  const app::Discretisation& d = scene.d();
-  if (d.sets && row < scene.rows().nodes)
-    for (const Index v : d.sets->vertices())
-      if (d.node_rows[static_cast<std::size_t>(v)] == scene.rows().first + row) return d.sets->of(v).front().side;
-  return xfem::side_of(d.cracks.side(0, scene.place(row)));
+  std::optional<xfem::Side> side;
+  for (const xfem::CutElement& cut : scene.d().sets->cells())
+    for (std::size_t a = 0; a < 4; ++a) {
+      if (scene.mesh().cell(cut.cell)[a] != vertex) continue;
+      if (cut.sets[a] >= 0)
+        side = cut.element.side[a];
+      else if (!side)
+        side = cut.snapped;
+    }
+  if (side) return *side == xfem::Side::plus ? 1 : -1;
+  return scene.d().cracks.side(0, scene.mesh().point(vertex));
 }
 
 /// What a row has in the sided field: nodes and particles that of their side, enriched sets half the jump.
@@ -26,7 +32,9 @@ inline Vector<2> value_at(Scene& scene, Index row, const SidedField& field)
   const Vector<2> x = scene.place(row);
   const bool set = row >= scene.rows().nodes && row < scene.rows().first_particle();
   if (set) return 0.5 * (field.plus(x) - field.minus(x));
-  return side_of_row(scene, row) == xfem::Side::plus ? field.plus(x) : field.minus(x);
+  const int side = row < scene.rows().nodes ? node_side(scene, scene.d().nodes[static_cast<std::size_t>(row)])
+                                            : scene.d().cracks.side(0, x);
+  return side > 0 ? field.plus(x) : field.minus(x);
 }
 
 /// The sided field at all rows, [owned | halo].

@@ -19,8 +19,8 @@ struct Host {
   std::array<PetscInt, 8> rows{-1, -1, -1, -1, -1, -1, -1, -1}; ///< global rows
   std::array<double, 8> weights{};                              ///< those of nodes sum to 1
   int count = 0;
-  /// The point lies in a snapped element's sliver, which moves with the other side of its crack: no bond holds it.
-  bool across = false;
+  bool sided = false;  ///< a crack enters there: moves with the side from which it is seen
+  bool across = false; ///< moves, snapped, with the other side of a crack than it is on: bonds to it are cut
 
   static Host of_row(PetscInt row);      ///< a row itself
   bool add(PetscInt row, double weight); ///< false if there is no room for another row

@@ -23,8 +23,9 @@ struct Tip {
 /// and y of a point matter.
 ///
 /// Left of a crack (looking from its first to its last point) is its + side. A point on the crack, or on its straight
-/// prolongation, counts as left: the crack is seen as shifted to its right by less than anything else. All signs come
-/// from exact predicates, so that they are the same from either end of a bond and on every rank.
+/// prolongation, counts as left, in spite of rounding: the crack parts things where it would be if shifted to its right
+/// by 1e-13 of the body's size. All signs come from exact predicates, so that they are the same from either end of a
+/// bond and on every rank.
 class CrackSet {
 public:
   CrackSet() = default;
@@ -50,8 +51,8 @@ public:
   double beyond(int crack, const Vector<2>& x) const;
 
   /// Does the crack part the straight bond from a to b: does the bond change sides anywhere on its way? A bond that
-  /// meets only a tip (to 1e-12 of the body's size) stays, as does one that touches a corner from outside or runs along
-  /// the crack; one through an inner corner from side to side is cut. The same for (b, a).
+  /// meets a tip (to 1e-12 of the body's size) stays, as does one that touches a corner from outside on its left, or
+  /// runs along the crack; one through an inner corner from side to side is cut. The same for (b, a).
   bool cuts(int crack, const Vector<2>& a, const Vector<2>& b) const;
   bool cuts(const Vector<2>& a, const Vector<2>& b) const; ///< by any crack
   /// May a bond with an end at x, at most `reach` [m] long, be cut by any crack? Quick, and true rather too often.
@@ -60,13 +61,14 @@ public:
 private:
   struct Crack {
     Polyline given, seen; ///< seen: mouths prolonged
-    geom::Box<2> bounds;  ///< of seen
+    Polyline parting;     ///< seen, shifted: all decisions on sides
+    geom::Box<2> bounds;  ///< of parting
     Polyline tips;        ///< ends inside the body
     Polyline withdrawn;   ///< as seen by bonds that meet a tip: tips drawn back by more than rounding
     double tip_reach;     ///< a bond that passes a tip this near meets it [m]
   };
   struct Foot;
-  Foot foot(int crack, const Vector<2>& x) const;
+  static Foot foot(const Polyline& line, const Vector<2>& x);
   void add(Polyline points, const Inside& inside, double prolong);
 
   std::vector<Crack> cracks_;

@@ -65,14 +65,14 @@ TEST(BondCuts, ThroughACornerIsCut)
   }
 }
 
-TEST(BondCuts, TouchingACornerFromOutsideStays)
+TEST(BondCuts, TouchingACornerFromOutsideStaysOnTheLeftOnly)
 {
-  for (const Polyline& roof : {Polyline{{1, 0}, {2, 1}, {3, 0}}, Polyline{{3, 0}, {2, 1}, {1, 0}}}) {
-    const CrackSet cracks({roof}, kBody);
-    EXPECT_FALSE(cuts(cracks, {1, 1}, {3, 1}));
-    EXPECT_TRUE(cuts(cracks, {1, 1 - 1e-15}, {3, 1 - 1e-15})); // through the wedge: there and back again
-    EXPECT_FALSE(cuts(cracks, {1, after(1)}, {3, after(1)}));
-  }
+  const Polyline roof{{1, 0}, {2, 1}, {3, 0}}, back{{3, 0}, {2, 1}, {1, 0}};
+  EXPECT_FALSE(cuts(CrackSet({roof}, kBody), {1, 1}, {3, 1}));
+  EXPECT_FALSE(cuts(CrackSet({roof}, kBody), {1, 1 - 1e-15}, {3, 1 - 1e-15})); // rounding
+  EXPECT_TRUE(cuts(CrackSet({roof}, kBody), {1, 1 - 1e-9}, {3, 1 - 1e-9})); // through the wedge: there and back again
+  EXPECT_TRUE(cuts(CrackSet({back}, kBody), {1, 1}, {3, 1}));               // on its left, where the wedge is
+  EXPECT_FALSE(cuts(CrackSet({back}, kBody), {1, 1 + 1e-9}, {3, 1 + 1e-9}));
 }
 
 TEST(BondCuts, AnEndOnTheCrackIsOnItsLeft)
@@ -95,8 +95,9 @@ TEST(BondCuts, RunningAlongAPieceIsCutIfItLeavesToTheOtherSide)
 {
   // A step: along y = 1 from left, then up; or a Z whose middle piece lies in the bond.
   const CrackSet zig({{{1, 2}, {2, 1}, {3, 1}, {4, 0}}}, kBody), tub({{{1, 2}, {2, 1}, {3, 1}, {4, 2}}}, kBody);
-  EXPECT_TRUE(cuts(zig, {1, 1}, {4, 1}));    // from right of it (below) to left
-  EXPECT_FALSE(cuts(tub, {1, 1}, {4, 1}));   // under the tub all the way
+  EXPECT_TRUE(cuts(zig, {1, 1}, {4, 1})); // from right of it (below) to left
+  EXPECT_TRUE(cuts(tub, {1, 1}, {4, 1})); // what is on the crack is in the tub
+  EXPECT_FALSE(cuts(tub, {1, 1 - 1e-9}, {4, 1 - 1e-9}));
   EXPECT_FALSE(cuts(zig, {2.5, 1}, {4, 1})); // an end on the crack is left, and so is (4, 1)
   EXPECT_TRUE(cuts(zig, {1, 1}, {2.5, 1}));  // the other end is right
   EXPECT_TRUE(cuts(tub, {2.5, 1}, {4, 1}));
@@ -107,6 +108,29 @@ TEST(BondCuts, BondsAcrossThePlaneOnlyAreNever)
   const CrackSet cracks({{{1, 1}, {3, 1}}}, kBody);
   EXPECT_FALSE(cracks.cuts({2, 1}, {2, 1}));
   EXPECT_FALSE(CrackSet().cuts({2, 0}, {2, 2}));
+}
+
+// Points that are meant to lie on a slanted crack are a little off it; none of their bonds is cut but those to its
+// right.
+TEST(BondCuts, RoundingPutsNothingAcross)
+{
+  const double angle = 0.7;
+  const Vector<2> along(std::cos(angle), std::sin(angle)), left(-along.y(), along.x());
+  const CrackSet cracks({{{-60.0 * along.x(), -60.0 * along.y()}, {70.0 * along.x(), 70.0 * along.y()}}}, kBody);
+  for (int k = -30; k < 30; ++k) {
+    const Vector<2> on = (0.1 * k) * along;
+    EXPECT_EQ(cracks.side(0, on), 1);
+    EXPECT_FALSE(cuts(cracks, on, (0.1 * k + 0.3) * along));
+    EXPECT_FALSE(cuts(cracks, on, on + 0.2 * left));
+    EXPECT_TRUE(cuts(cracks, on, on - 0.2 * left));
+  }
+}
+
+// The line through a bond far away may go through a tip by chance.
+TEST(BondCuts, ATipElsewhereOnTheLineOfABondKeepsNothing)
+{
+  const CrackSet cracks({{{0, 1}, {2, 0}, {5, 3}}}, kBody);
+  EXPECT_TRUE(cuts(cracks, {2, 1}, {4, 1}));
 }
 
 TEST(BondCuts, AnyCrackOfTheSetCuts)
