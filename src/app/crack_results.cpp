@@ -1,5 +1,6 @@
 #include "pdx/app/crack_results.hpp"
 
+#include "pdx/geom/clip.hpp"
 #include "pdx/law/fracture.hpp"
 #include "pdx/post/crack_growth.hpp"
 #include "pdx/post/domain_j.hpp"
@@ -25,19 +26,30 @@ std::optional<std::size_t> patch_at(const PatchPlan& plan, const Vector<2>& x)
   return std::nullopt;
 }
 
-/// The places J is asked for: where the user says, else the tips.
-std::vector<crack::Tip> centres(const Solved& s)
+/// A place J is asked for: a tip as it is now, or where the user says (then it belongs to none).
+struct Centre {
+  crack::Tip tip;
+  std::optional<std::size_t> number;
+};
+
+std::vector<Centre> centres(const Solved& s, const CrackState& state)
 {
   const std::span<const crack::Tip> tips = s.d.cracks.tips();
-  if (!s.options.post.j_centre) return {tips.begin(), tips.end()};
-  crack::Tip centre;
-  const auto distance = [&](const crack::Tip& tip) { return (tip.at - *s.options.post.j_centre).norm(); };
-  if (!tips.empty()) centre = *std::ranges::min_element(tips, {}, distance);
-  centre.at = *s.options.post.j_centre;
+  std::vector<Centre> list;
+  for (std::size_t t = 0; t < tips.size(); ++t) {
+    list.push_back({tips[t], t});
+    list.back().tip.at += state.farthest_broken[t] * tips[t].direction;
+  }
+  const auto& wanted = s.options.post.j_centre;
+  if (!wanted) return list;
+  Centre centre;
+  const auto distance = [&](const Centre& c) { return (c.tip.at - *wanted).norm(); };
+  if (!list.empty()) centre.tip = std::ranges::min_element(list, {}, distance)->tip;
+  centre.tip.at = *wanted;
   return {centre};
 }
 
-nlohmann::json contour_results(const Solved& s, const crack::Tip& tip, std::span<const double> density)
+std::vector<post::ContourJ> contours_at(const Solved& s, const crack::Tip& tip, std::span<const double> density)
 {
   const auto patch = patch_at(s.plan, tip.at);
   if (!patch || !s.d.bonds) return {};
@@ -46,9 +58,18 @@ nlohmann::json contour_results(const Solved& s, const crack::Tip& tip, std::span
   for (const double side : s.options.post.j_contours) contours.push_back({tip.at, side});
   const post::PatchState state{s.mesh.comm(), part,    bond_kinematics(s.options),
                                s.u,           density, s.d.carried ? part.stencil().reach : 1};
+  return post::nonlocal_j(state, tip.direction, contours);
+}
+
+/// A tip that grew may leave no room for its contours: then there is no J of it.
+nlohmann::json contour_results(const Solved& s, const crack::Tip& tip, std::span<const double> density)
+{
   nlohmann::json list = nlohmann::json::array();
-  for (const post::ContourJ& contour : post::nonlocal_j(state, tip.direction, contours))
-    list.push_back({contour.side, contour.j});
+  try {
+    for (const post::ContourJ& contour : contours_at(s, tip, density)) list.push_back({contour.side, contour.j});
+  } catch (const UserError&) {
+    if (!s.d.fracture) throw;
+  }
   return list;
 }
 
@@ -103,13 +124,53 @@ double potential(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan&
 }
 } // namespace
 
+double length_inside(const Discretisation& d, int crack)
+{
+  double length = 0.0;
+  const crack::Polyline& p = d.cracks.points(crack);
+  for (std::size_t k = 0; k + 1 < p.size(); ++k)
+    if (const auto part = geom::clip<2>(p[k], p[k + 1], d.body))
+      length += (part->leave - part->enter) * (p[k + 1] - p[k]).norm();
+  return length;
+}
+
+void require_contours(const Solved& s)
+{
+  if (s.options.post.j_contours.empty()) return;
+  const CrackState none{std::vector<double>(s.d.cracks.tips().size(), 0.0),
+                        std::vector<double>(s.d.cracks.tips().size(), 0.0), 0.0};
+  const std::vector<double> nothing(static_cast<std::size_t>(s.d.system.rows.owned()), 0.0);
+  bool any = false;
+  for (const Centre& centre : centres(s, none)) {
+    const auto patch = patch_at(s.plan, centre.tip.at);
+    if (!patch) continue;
+    any = true;
+    (void)contours_at(s, centre.tip, nothing);
+    const auto& stencil = s.plan.stencils[*patch];
+    const double reach = stencil.reach * stencil.dx;
+    for (const double side : s.options.post.j_contours)
+      for (const crack::Tip& tip : s.d.cracks.tips()) {
+        const Vector<2> off = (tip.at - centre.tip.at).cwiseAbs();
+        const double gap = 0.5 * side - off.maxCoeff();
+        if (std::abs(gap) <= reach && off.minCoeff() <= 0.5 * side + reach)
+          throw UserError(
+              fmt::format("-post_j_contours has {:g}: the contour comes within a bond, {:g} m, of the tip at "
+                          "({:g}, {:g}); choose a side above {:g}",
+                          side, reach, tip.at[0], tip.at[1], 2.0 * (off.maxCoeff() + reach)));
+      }
+  }
+  if (!any)
+    throw UserError("-post_j_contours lie in a patch, but no crack's tip (and no -post_j_centre) does: give "
+                    "-post_j_domain for elements");
+}
+
 CrackState crack_state(const Discretisation& d)
 {
   CrackState state;
   const std::size_t tips = d.cracks.tips().size();
   state.first_intact.assign(tips, 0.0);
   state.farthest_broken.assign(tips, 0.0);
-  for (int k = 0; k < d.cracks.size(); ++k) state.length += d.cracks.length(k);
+  for (int k = 0; k < d.cracks.size(); ++k) state.length += length_inside(d, k);
   if (!d.bonds) return state;
   for (const post::TipGrowth& growth : post::crack_growth(d.system.rows.comm, d.bonds->parts(), d.cracks)) {
     state.first_intact[growth.tip] = growth.first_intact;
@@ -131,6 +192,11 @@ std::vector<double> energy_release(mesh::Mesh& mesh, const SceneOptions& options
   for (const crack::Tip& tip : cracks.tips()) {
     const auto patch = patch_at(plan, tip.at);
     const double step = patch ? plan.shapes[*patch].lattice.dx : element;
+    if (patch_at(plan, tip.at - step * tip.direction) != patch ||
+        patch_at(plan, tip.at + step * tip.direction) != patch)
+      throw UserError(fmt::format("-post_energy_release moves the tip at ({:g}, {:g}) by {:g} m to either side, across "
+                                  "the border of a patch: move the patch or leave it out",
+                                  tip.at[0], tip.at[1], step));
     double change = 0.0;
     for (const double sign : {1.0, -1.0}) {
       SceneOptions moved = options;
@@ -162,23 +228,21 @@ void add_crack_results(const Solved& s, std::span<const double> release, nlohman
 
   std::vector<double> density;
   if (s.d.bonds && !s.options.post.j_contours.empty()) density = s.d.energy_density(s.u);
-  const std::vector<crack::Tip> places = centres(s);
-  for (std::size_t t = 0; t < places.size(); ++t) {
-    nlohmann::json contours = density.empty() ? nlohmann::json() : contour_results(s, places[t], density);
-    if (!contours.empty() && t == 0) {
+  for (const Centre& centre : centres(s, state)) {
+    nlohmann::json contours = density.empty() ? nlohmann::json() : contour_results(s, centre.tip, density);
+    if (!contours.empty() && !results.contains("j_integral")) { // of the first tip in a patch
       const double middle = contours[contours.size() / 2][1];
       results["j_by_contour"] = contours;
       results["j_integral"] = middle;
       results["stress_intensity"] = law::stress_intensity(middle, s.options.elastic);
     }
-    if (!contours.empty() && t < tips.size()) tips[t]["j_by_contour"] = contours;
+    if (!contours.empty() && centre.number) tips[*centre.number]["j_by_contour"] = contours;
     if (!s.options.post.j_domain) continue;
-    const double j = domain_result(s, places[t]);
-    if (t < tips.size()) tips[t]["j_domain"] = j;
-    if (t == 0) {
-      results["j_domain"] = j;
-      if (!results.contains("j_integral")) results["stress_intensity"] = law::stress_intensity(j, s.options.elastic);
-    }
+    const double j = domain_result(s, centre.tip);
+    if (centre.number) tips[*centre.number]["j_domain"] = j;
+    if (results.contains("j_domain")) continue;
+    results["j_domain"] = j;
+    if (!results.contains("j_integral")) results["stress_intensity"] = law::stress_intensity(j, s.options.elastic);
   }
   if (!tips.empty()) results["tips"] = tips;
 }

@@ -38,6 +38,7 @@ void refuse_cracks_outside(const std::vector<crack::Polyline>& cracks, const geo
 
 void cut_cells(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
 {
+  d.body = options.mesh.file.empty() ? plan.body : mesh.bounds();
   if (options.cracks.lines.empty()) return;
   const geom::Box<2> body = options.mesh.file.empty() ? plan.body : mesh.bounds();
   d.cracks = crack::CrackSet(options.cracks.lines, body);

@@ -68,6 +68,12 @@ void Recorder::report_cracks()
     progress_.line(fmt::format("{} nodes of cut elements have no enriched row: less than {:g} of their support lies on "
                                "one side",
                                report.dropped, options_.cracks.rule.share()));
+  if (options_.post.energy_release)
+    for (const crack::Tip& tip : d_->cracks.tips())
+      if (tip.direction.cwiseAbs().minCoeff() > 1e-9)
+        warn(fmt::format("-post_energy_release at the slanted tip ({:g}, {:g}): bonds end at lattice sites, so that a "
+                         "step of one spacing is not one of the crack; expect differences of several per cent",
+                         tip.at[0], tip.at[1]));
   for (const Vector<2>& tip : report.closed)
     warn(fmt::format("the crack tip at ({:g}, {:g}) ends in elements and closes at the last element edge before it: "
                      "put a patch there for a true tip",
@@ -86,6 +92,10 @@ void Recorder::open_history()
                                    {"crack_length", "m"},
                                    {"crack_first_intact", "m"},
                                    {"crack_farthest_broken", "m"}});
+  for (std::size_t t = 0; grows() && t < d_->cracks.tips().size(); ++t) {
+    columns.push_back({fmt::format("tip{}_x", t + 1), "m"});
+    columns.push_back({fmt::format("tip{}_y", t + 1), "m"});
+  }
   for (const HeldPart& part : d_->held_parts) {
     columns.push_back({"reaction_" + part.name + "_x", "N"});
     columns.push_back({"reaction_" + part.name + "_y", "N"});
@@ -140,12 +150,17 @@ void Recorder::write_history(const solve::Step& step)
                           balance.energies.interface,       balance.work};
   if (grows()) {
     const CrackState crack = crack_state(*d_);
-    const double first = d_->cracks.empty() ? 0.0 : d_->cracks.length(0);
-    const bool tip = !crack.first_intact.empty();
+    const bool tip = !crack.first_intact.empty(); // the columns are those of the first tip
+    const double first = tip ? length_inside(*d_, d_->cracks.tips()[0].crack) : 0.0;
     row.insert(row.end(),
                {balance.energies.dissipated, static_cast<double>(step.passes),
                 static_cast<double>(d_->fracture->broken()), crack.length, tip ? first + crack.first_intact[0] : first,
                 tip ? first + crack.farthest_broken[0] : first});
+    for (std::size_t t = 0; t < crack.farthest_broken.size(); ++t) {
+      const crack::Tip& given = d_->cracks.tips()[t];
+      const Vector<2> at = given.at + crack.farthest_broken[t] * given.direction;
+      row.insert(row.end(), {at[0], at[1]});
+    }
   }
   row.insert(row.end(), reactions_.now.begin(), reactions_.now.end());
   history_->row(row);
@@ -168,8 +183,9 @@ void Recorder::accept(const solve::Step& step, Vec u, const solve::StaticDriver&
   if (last && !ledger_) ledger_ = std::make_unique<post::EnergyLedger>(d_->system);
   if (ledger_) take_stock(step, u, driver);
   if (history_) write_history(step);
-  if (fields_ && (last || step.number % options_.output.interval == 0))
-    write_fields(step, u, error ? &*error : nullptr);
+  const bool due = last || step.number % options_.output.interval == 0;
+  fields_due_ = due ? std::nullopt : std::optional(step);
+  if (fields_ && due) write_fields(step, u, error ? &*error : nullptr);
   if (grows()) summary_.bonds_broken = d_->fracture->broken();
   if (last || grows()) write_results(u, last ? prior : Prior{}, error ? &*error : nullptr);
   summary_.wall_seconds.output += MPI_Wtime() - begin;
@@ -243,6 +259,11 @@ void Recorder::finish(const solve::StaticReport& report)
   count(report);
   write_summary("done");
   print_phases(report);
+}
+
+void Recorder::stopped_at(Vec u)
+{
+  if (fields_ && fields_due_) write_fields(*fields_due_, u, nullptr);
 }
 
 void Recorder::fail(const std::string& why)

@@ -116,6 +116,8 @@ void run(MPI_Comm comm, double begin)
       cover_cells(mesh, plan, mesh_options);
     }
     const auto d = discretise(mesh, options, plan, std::move(particles), assembled);
+    const std::vector<double> at_rest(2 * static_cast<std::size_t>(d->system.halo->size()), 0.0);
+    require_contours({mesh, options, plan, *d, at_rest});
     recorder.built(mesh, plan, *d);
     solve::StaticDriver driver(d->system, steps_of(options, *d, assembled));
     const VecHandle u = d->system.rows.vector();
@@ -124,6 +126,7 @@ void run(MPI_Comm comm, double begin)
       driver.run(u.get(), [&](const solve::Step& step, Vec state) { recorder.accept(step, state, driver, prior); });
     } catch (const SolverFailure&) {
       recorder.count(driver.report());
+      recorder.stopped_at(u.get());
       throw;
     }
     recorder.finish(driver.report());

@@ -37,6 +37,25 @@ std::optional<std::size_t> patch_of(std::span<const std::unique_ptr<pd::LatticeP
   return std::nullopt;
 }
 
+/// How far ahead of a tip growth can be its own: up to half way to a tip of another crack that faces it, and up to
+/// where another crack crosses its prolongation.
+double way_ahead(const crack::CrackSet& cracks, const crack::Tip& tip, double reach)
+{
+  double way = std::numeric_limits<double>::infinity();
+  for (const crack::Tip& other : cracks.tips()) {
+    const double ahead = tip.direction.dot(other.at - tip.at);
+    if (&other == &tip || ahead <= 0.0 || std::abs(height(tip, other.at)) > reach) continue;
+    way = std::min(way, other.direction.dot(tip.direction) < 0.0 ? 0.5 * ahead : ahead);
+  }
+  for (int c = 0; c < cracks.size(); ++c) {
+    const crack::Polyline& points = cracks.points(c);
+    for (std::size_t k = 0; k + 1 < points.size(); ++k)
+      if (const auto crossed = crossing(tip, points[k], points[k + 1], 0.0); crossed && *crossed > reach)
+        way = std::min(way, *crossed);
+  }
+  return way;
+}
+
 /// What this rank's particles know: bonds that start at them.
 void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, TipGrowth& growth)
 {
@@ -44,6 +63,7 @@ void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, TipGrow
   const geom::Lattice<2>& lattice = part.lattice();
   const auto& arms = part.stencil().half;
   const double rounding = 1e-9 * lattice.dx, reach = (part.stencil().reach + 1) * 1.5 * lattice.dx;
+  const double way = way_ahead(cracks, tip, reach);
   std::vector<std::uint8_t> intact(arms.size());
   for (Index k = 0; k < static_cast<Index>(part.sites().size()); ++k) {
     const Site<2> site = lattice.site(part.sites()[static_cast<std::size_t>(k)]);
@@ -58,7 +78,7 @@ void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, TipGrow
       if (!lattice.contains(other)) continue;
       const Vector<2> b = lattice.point(other);
       const std::optional<double> distance = crossing(tip, a, b, rounding);
-      if (!distance) continue;
+      if (!distance || *distance > way) continue;
       if (intact[h])
         growth.first_intact = std::min(growth.first_intact, *distance);
       else if (*distance > growth.farthest_broken && !cracks.cuts(a, b))

@@ -14,8 +14,8 @@ constexpr double kRelativeTolerance = 1e-10; // of the true residual norm
 constexpr PetscInt kMostIterations = 2000;
 constexpr PetscInt kGmresRestart = 60;
 constexpr const char* kUnstable =
-    "unstable growth: the crack grows without any more load, and under load control there may be no equilibrium beyond "
-    "this load; prescribe displacements instead of forces, or allow smaller increments; what stopped it: ";
+    "unstable growth: bonds go on breaking at this load; under forces there may be no equilibrium beyond it (prescribe "
+    "displacements instead), else allow smaller increments; what stopped it: ";
 
 bool given(const char* option)
 {

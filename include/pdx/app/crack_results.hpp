@@ -13,13 +13,19 @@ struct Solved {
   std::span<const double> u; ///< local blocks [owned | halo] [m]
 };
 
+/// Refuses contours that do not fit, lie outside all patches or come within a bond of the tip they are to hold, and a
+/// moved tip that would leave its patch: before anything is solved. Collective.
+void require_contours(const Solved& solved);
+
 /// Where each crack's tips are now, from the bonds that broke ahead of them.
 struct CrackState {
   std::vector<double> first_intact, farthest_broken; ///< of each tip, from where it was, along its direction [m]
-  double length = 0.0;                               ///< of all cracks, grown parts up to the farthest broken bond [m]
+  double length = 0.0; ///< of all cracks inside the body, grown parts up to the farthest broken bond [m]
 };
 /// Collective.
 CrackState crack_state(const Discretisation& d);
+/// Length of a given crack inside the body's box [m].
+double length_inside(const Discretisation& d, int crack);
 
 /// -dPi/da of each tip, the crack's end moved forth and back by a spacing of the patch it lies in, else by an element:
 /// two solves of the whole load path each [J/m^2]. Leaves the mesh plain. Collective.

@@ -12,7 +12,8 @@ struct TipGrowth {
   double farthest_broken = 0.0; ///< farthest crossing of a broken bond that no crack has cut; 0 if there is none [m]
 };
 
-/// Growth from each tip inside a patch; bonds of that patch only. A particle on the prolongation counts as left of it.
+/// Growth from each tip inside a patch; bonds of that patch only, and not beyond another crack (half way to a tip that
+/// faces it). A particle on the prolongation counts as left of it.
 /// Collective; `parts` are those of a pd::BondTerm, in the same order on every rank.
 std::vector<TipGrowth> crack_growth(MPI_Comm comm, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
                                     const crack::CrackSet& cracks);
