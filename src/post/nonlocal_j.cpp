@@ -53,8 +53,7 @@ Lines place(const PatchState& state, const SquareContour& contour)
   const double most = largest_side(state, contour.centre);
   if (most < lattice.dx) throw UserError(place + " does not fit into the patch: move its centre further inside");
   if (contour.side < most)
-    throw UserError(fmt::format("{} holds no particle; choose a side from {:g} to {:g} m", place,
-                                2.0 * (state.part.stencil().reach + 1) * lattice.dx, most));
+    throw UserError(fmt::format("{} holds no particle; choose a side from {:g} to {:g} m", place, lattice.dx, most));
   throw UserError(
       fmt::format("{} comes within {} particle spacing(s) of the patch's border; the largest side that fits "
                   "is {:g} m",
