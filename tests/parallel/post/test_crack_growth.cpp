@@ -49,6 +49,18 @@ TEST(CrackGrowth, LiesBetweenTheNearestIntactAndTheFarthestBrokenCrossing)
   EXPECT_NEAR(found[0].farthest_broken, 7.0 - 4.25, 1e-12);
 }
 
+TEST(CrackGrowth, OfFacingTipsIsEachItsOwn)
+{
+  const crack::CrackSet given({{{0.0, 4.0}, {4.25, 4.0}}, {{11.25, 4.0}, {16.0, 4.0}}}, kBody);
+  const crack::CrackSet grown({{{0.0, 4.0}, {5.25, 4.0}}, {{9.25, 4.0}, {16.0, 4.0}}}, kBody);
+  const auto found = growth(given, grown);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_NEAR(found[0].farthest_broken, 5.0 - 4.25, 1e-12);
+  EXPECT_NEAR(found[1].farthest_broken, 11.25 - 9.5, 1e-12);
+  EXPECT_NEAR(found[0].first_intact, 5.5 - 4.25, 1e-12);
+  EXPECT_NEAR(found[1].first_intact, 11.25 - 9.0, 1e-12);
+}
+
 TEST(CrackGrowth, IsTakenAtBothTipsOfAnInnerCrack)
 {
   const auto given = one_crack({6.25, 4.0}, {8.75, 4.0}), grown = one_crack({3.25, 4.0}, {10.75, 4.0});
