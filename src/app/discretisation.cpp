@@ -203,7 +203,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   couple::FineRows fine{d.nodes, d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
   fine.breakable = d.fracture || !d.cracks.empty();
   system.coarse = std::make_unique<couple::CoarseMesh>(
-      fem::ElasticBody{mesh, options.elastic, element_kinematics(options)}, *d.node_field, std::move(fine), system);
+      fem::ElasticBody{mesh, options.elastic, element_kinematics(options)}, *d.node_field, fine, system);
   return result;
 }
 

@@ -25,8 +25,9 @@ fem::Corners rectangle(const Vector<2>& size)
 }
 } // namespace
 
-CoarseMesh::CoarseMesh(fem::ElasticBody body, const NodeField& node_field, FineRows fine, const field::System& system)
-    : body_(body), node_field_(node_field), fine_(std::move(fine)), system_(system)
+CoarseMesh::CoarseMesh(fem::ElasticBody body, const NodeField& node_field, const FineRows& fine,
+                       const field::System& system)
+    : body_(body), node_field_(node_field), fine_(fine), system_(system)
 {
   const mesh::Mesh& mesh = body_.mesh;
   const auto touches = [&](Index c) {

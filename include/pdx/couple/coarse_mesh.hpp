@@ -27,7 +27,7 @@ struct FineRows {
 class CoarseMesh final : public field::CoarseSpace {
 public:
   /// Collective.
-  CoarseMesh(fem::ElasticBody body, const NodeField& node_field, FineRows fine, const field::System& system);
+  CoarseMesh(fem::ElasticBody body, const NodeField& node_field, const FineRows& fine, const field::System& system);
 
   const field::RowHalo& halo() const override { return *halo_; }
   const field::Interpolation& interpolation() const override { return interpolation_; }
