@@ -157,7 +157,9 @@ void CoarseMesh::add_cut(const xfem::CutElement& cut)
 
 void CoarseMesh::interpolate()
 {
-  auto& [offsets, columns, weights] = interpolation_;
+  std::vector<std::size_t>& offsets = interpolation_.offsets;
+  std::vector<Index>& columns = interpolation_.columns;
+  std::vector<double>& weights = interpolation_.weights;
   offsets.assign(1, 0);
   columns.clear();
   weights.clear();
