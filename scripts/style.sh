@@ -2,10 +2,10 @@
 # Style, as CI sees it: style.sh [format] [layers] [tidy] (default: all three).
 #   format   clang-format over all C++ files, nothing is rewritten
 #   layers   who includes whom, the map of the rooms, lengths of files
-#   tidy     clang-tidy over C++ files changed since CI_BASE (default: three commits ago), at most 12
+#   tidy     clang-tidy over C++ files changed since CI_BASE (default: three commits ago), at most 8
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-readonly tidy_limit=12
+readonly tidy_limit=8
 
 check_format() {
   find src include tests -name '*.cpp' -o -name '*.hpp' | sort | xargs clang-format-14 --dry-run -Werror

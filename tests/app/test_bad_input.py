@@ -319,9 +319,9 @@ def run(case, ranks):
 
 
 def run_all(cases):
-    """Runs every case on every number of ranks, four at a time (they mostly wait for each other to start and stop); yields (case, ranks, result of run)."""
+    """Runs every case on every number of ranks, six at a time (they mostly wait for each other to start and stop); yields (case, ranks, result of run)."""
     jobs = [(case, ranks) for case in cases for ranks in RANKS]
-    with concurrent.futures.ThreadPoolExecutor(max_workers=4) as pool:
+    with concurrent.futures.ThreadPoolExecutor(max_workers=6) as pool:
         for job, result in zip(jobs, pool.map(lambda job: run(*job), jobs)):
             yield *job, result
 
