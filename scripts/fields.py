@@ -1,4 +1,5 @@
 """Reads what a run of pdxsolve leaves on disk: fields.h5 and summary.json (see src/README.md, room io)."""
+import csv
 import json
 import pathlib
 import sys
@@ -50,3 +51,11 @@ def read_summary(run):
     """The run's summary.json; empty if it has none."""
     path = fields_path(run).with_name("summary.json")
     return json.loads(path.read_text()) if path.exists() else {}
+
+
+def read_history(run):
+    """Columns of history.csv by name without unit."""
+    with open(pathlib.Path(run) / "history.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    names = [name.split(" ")[0] for name in rows[0]]
+    return dict(zip(names, np.array(rows[1:], dtype=float).T))

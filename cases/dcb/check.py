@@ -6,16 +6,13 @@ usage: check.py [--executable build/release/pdxsolve] [ranks] [peak] [final]    
 The environment lets Open MPI run (`. scripts/mpi_env.sh`). Exit status: 0 if all holds, 1 if not.
 """
 
-import argparse
-import csv
 import pathlib
-import subprocess
 import sys
-import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
+import case_check
 import fields
 import numpy as np
 
@@ -43,50 +40,32 @@ def displaced(opening, steps):
     ]
 
 
-def read_history(run):
-    """Columns of history.csv by name without unit."""
-    with open(run / "history.csv", newline="", encoding="utf-8") as file:
-        rows = list(csv.reader(file))
-    names = [name.split(" ")[0] for name in rows[0]]
-    return dict(zip(names, np.array(rows[1:], dtype=float).T))
-
-
 def read_damage(run):
     particles = fields.read_step(run)[1]["particles"]
     order = np.argsort(particles.natural_point)
     return particles.natural_point[order], particles["damage"][order]
 
 
-class Check:
-    """Runs variants and collects what does not hold."""
+class Check(case_check.Check):
+    """The parts of the check, each a method."""
 
     def __init__(self, executable, scratch):
-        self.executable, self.scratch, self.failures = executable, pathlib.Path(scratch), 0
+        super().__init__("dcb", executable, scratch)
 
-    def expect(self, holds, what):
-        print(f"  {'ok  ' if holds else 'FAIL'} {what}", flush=True)
-        self.failures += not holds
+    def check(self, part):
+        getattr(self, part)()
 
-    def run(self, name, variant, options, ranks=2):
+    def directory(self, name, variant, options, ranks=2):
         """The output directory of a run, or None if it failed."""
-        directory = self.scratch / name
-        command = ["mpirun", "-q", "-n", str(ranks), self.executable, "-options_file", f"cases/dcb/{variant}.opts"]
-        done = subprocess.run(
-            [*command, *options, "-output_dir", str(directory), "-quiet"],
-            cwd=ROOT,
-            capture_output=True,
-            text=True,
-            timeout=900,
-        )
-        self.expect(done.returncode == 0, f"{name}: exit status {done.returncode} {done.stderr.strip()}")
-        return directory if done.returncode == 0 else None
+        run = self.run(variant, ranks, options, name)
+        return run and run[0]
 
     def ranks(self):
         """The same bonds break, step by step, however many ranks there are."""
-        runs = [self.run(f"ranks_{n}", "smoke", displaced(0.6e-6, 4), n) for n in (1, 2, 3)]
+        runs = [self.directory(f"ranks_{n}", "smoke", displaced(0.6e-6, 4), n) for n in (1, 2, 3)]
         if None in runs:
             return
-        histories = [read_history(run) for run in runs]
+        histories = [fields.read_history(run) for run in runs]
         broken = histories[0]["bonds_broken"]
         self.expect(broken[-1] > 100 and broken[0] == 0, f"{broken[-1]:.0f} bonds broken in the end, none at first")
         points, damage = read_damage(runs[0])
@@ -104,7 +83,7 @@ class Check:
     def peak(self):
         """Row 3's increments with the papers' scheme and a square patch, as far as just beyond the peak."""
         square = ["-pd_patches", "0.23e-3,0.15e-3,0.38e-3,0.30e-3"]
-        run = self.run("peak", "paper_row3", [*LINEAR, *square, *displaced(PEAK_END, 75)])
+        run = self.directory("peak", "paper_row3", [*LINEAR, *square, *displaced(PEAK_END, 75)])
         if not run:
             return
         results = fields.read_summary(run)["results"]
@@ -123,10 +102,10 @@ class Check:
     def final(self):
         """Row 3 with the papers' scheme from a crack of 0.61 mm to the full opening."""
         longer = ["-crack_crack_points", "0,0.225e-3,0.61e-3,0.225e-3", "-load_steps", "20"]
-        run = self.run("final", "paper_row3", [*LINEAR, *longer])
+        run = self.directory("final", "paper_row3", [*LINEAR, *longer])
         if not run:
             return
-        history = read_history(run)
+        history = fields.read_history(run)
         for name, wanted in zip(("crack_first_intact", "crack_farthest_broken"), FINAL):
             found = history[name][-1]
             self.expect(
@@ -141,23 +120,5 @@ class Check:
         self.expect(gap <= SYMMETRY, f"forces of the clamps differ by {gap:.1e} of them")
 
 
-def main():
-    parts = ("ranks", "peak", "final")
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(parts))
-    parser.add_argument("--executable", default=str(ROOT / "build/release/pdxsolve"))
-    arguments = parser.parse_args()
-    unknown = [name for name in arguments.parts if name not in parts]
-    if unknown:
-        parser.error(f"no part {unknown[0]}: choose from {', '.join(parts)}")
-    with tempfile.TemporaryDirectory() as scratch:
-        check = Check(str(pathlib.Path(arguments.executable).resolve()), scratch)
-        for part in arguments.parts or parts:
-            print(part, flush=True)
-            getattr(check, part)()
-    print(f"{check.failures} failed" if check.failures else "all holds")
-    return 1 if check.failures else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(case_check.main(__doc__, Check, ("ranks", "peak", "final"), "PART"))

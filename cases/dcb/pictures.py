@@ -6,7 +6,6 @@ Writes curves.png and growth.png beside this file.
 """
 
 import argparse
-import csv
 import pathlib
 import sys
 
@@ -48,12 +47,6 @@ STYLE = {"font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 
          "savefig.bbox": "tight", "axes.spines.top": False, "axes.spines.right": False}  # fmt: skip
 
 
-def history(run):
-    with open(run / "history.csv", newline="", encoding="utf-8") as file:
-        rows = list(csv.reader(file))
-    return dict(zip([name.split(" ")[0] for name in rows[0]], np.array(rows[1:], dtype=float).T))
-
-
 def curves(directory, names):
     figure, (force, crack) = plt.subplots(1, 2, figsize=(9.2, 3.5), layout="constrained")
     shown = LEFM[LEFM[:, 1] <= OPENING]
@@ -64,7 +57,7 @@ def curves(directory, names):
     for name, colour in zip(names, COLOURS):
         if not (directory / name / "history.csv").exists():
             continue
-        columns = history(directory / name)
+        columns = fields.read_history(directory / name)
         opening = OPENING * columns["load"]
         thickness = 1e-3  # [m]
         force.plot([0, *opening], [0, *(columns["reaction_top_y"] / thickness)], color=colour, linewidth=1,

@@ -6,16 +6,14 @@ usage: check.py [--executable build/release/pdxsolve] [VARIANT ...]     default:
 The environment lets Open MPI run (`. scripts/mpi_env.sh`). Exit status: 0 if all holds, 1 if not.
 """
 
-import argparse
 import math
 import pathlib
-import subprocess
 import sys
-import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
+import case_check
 import fields
 
 YOUNG = 72e9  # [Pa]
@@ -43,30 +41,29 @@ RANKS_TOLERANCE = 1e-8  # relative
 WARNING = "closes at the last element edge before it"
 
 
-class Check:
-    """Collects what does not hold."""
+class Check(case_check.Check):
+    """J of a variant on 1 and 2 ranks."""
 
-    def __init__(self):
-        self.failures = 0
+    def __init__(self, executable, scratch):
+        super().__init__("double_notch", executable, scratch)
 
-    def expect(self, holds, what):
-        print(f"  {'ok  ' if holds else 'FAIL'} {what}")
-        self.failures += not holds
+    def results(self, variant, ranks):
+        """Runs a variant that warns if it should and says nothing else; its results, or None if it failed."""
+        run = self.run(variant, ranks)
+        if not run:
+            return None
+        directory, said = run
+        self.expect(WARNING in said if variant == "xfem_only" else not said, f"{ranks} rank(s) {said.strip()}")
+        return fields.read_summary(directory)["results"]
 
-    def expect_near(self, name, found, expected, tolerance):
-        gap = abs(found / expected - 1.0)
-        self.expect(gap <= tolerance, f"{name} {found:.9g} against {expected:.9g}: off by {gap:.1e} of it")
-
-    def run(self, executable, variant, directory, ranks):
-        """Runs a variant; its results, or None if it failed."""
-        launcher = ["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []
-        command = [*launcher, executable, "-options_file", f"cases/double_notch/{variant}.opts"]
-        done = subprocess.run(
-            [*command, "-output_dir", str(directory), "-quiet"], cwd=ROOT, capture_output=True, text=True, timeout=600
-        )
-        warned = WARNING in done.stderr if variant == "xfem_only" else not done.stderr
-        self.expect(done.returncode == 0 and warned, f"{ranks} rank(s), status {done.returncode} {done.stderr.strip()}")
-        return fields.read_summary(directory)["results"] if done.returncode == 0 else None
+    def check(self, variant):
+        one, two = (self.results(variant, ranks) for ranks in (1, 2))
+        if not one or not two:
+            return
+        self.ranks(one, two, variant)
+        if BOUNDS[variant]:
+            self.contours(two, variant)
+        self.energies(two, variant)
 
     def contours(self, results, variant):
         low, high = BOUNDS[variant]
@@ -95,30 +92,5 @@ class Check:
         self.expect_near(f"{key} on 1 and 2 ranks", two[key], one[key], RANKS_TOLERANCE)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("variants", nargs="*", metavar="VARIANT", help=", ".join(BOUNDS))
-    parser.add_argument("--executable", default=str(ROOT / "build/release/pdxsolve"))
-    arguments = parser.parse_args()
-    unknown = [name for name in arguments.variants if name not in BOUNDS]
-    if unknown:
-        parser.error(f"no variant {unknown[0]}: choose from {', '.join(BOUNDS)}")
-    executable = str(pathlib.Path(arguments.executable).resolve())
-
-    check = Check()
-    with tempfile.TemporaryDirectory() as scratch:
-        for variant in arguments.variants or BOUNDS:
-            print(variant)
-            one, two = (check.run(executable, variant, pathlib.Path(scratch) / f"{variant}_{n}", n) for n in (1, 2))
-            if not one or not two:
-                continue
-            check.ranks(one, two, variant)
-            if BOUNDS[variant]:
-                check.contours(two, variant)
-            check.energies(two, variant)
-    print(f"{check.failures} failed" if check.failures else "all holds")
-    return 1 if check.failures else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(case_check.main(__doc__, Check, BOUNDS))

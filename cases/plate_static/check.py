@@ -5,15 +5,13 @@ usage: check.py [--executable build/release/pdxsolve] [VARIANT ...]     default:
 The environment lets Open MPI run (`. scripts/mpi_env.sh`). Exit status: 0 if all holds, 1 if not.
 """
 
-import argparse
 import pathlib
-import subprocess
 import sys
-import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
+import case_check
 import fields
 import numpy as np
 
@@ -37,29 +35,23 @@ DISPLACEMENTS = {
 DISPLACEMENT_TOLERANCE = 5e-7  # relative, half a digit
 
 
-class Check:
-    """Collects what does not hold."""
+class Check(case_check.Check):
+    """Errors, reactions and displacements on 2 ranks."""
 
-    def __init__(self):
-        self.failures = 0
-
-    def expect(self, holds, what):
-        print(f"  {'ok  ' if holds else 'FAIL'} {what}")
-        self.failures += not holds
+    def __init__(self, executable, scratch):
+        super().__init__("plate_static", executable, scratch)
 
     def expect_vector(self, name, found, expected, tolerance):
         gap = np.abs(found / np.array(expected) - 1.0).max()
         self.expect(gap <= tolerance, f"{name} {found[0]:.7g}, {found[1]:.7g}: off by {gap:.1e} of it")
 
-    def run(self, executable, variant, directory):
-        """Runs a variant; its output directory, or None if it failed."""
-        print(variant)
-        command = ["mpirun", "-q", "-n", "2", executable, "-options_file", f"cases/plate_static/{variant}.opts"]
-        done = subprocess.run(
-            [*command, "-output_dir", str(directory), "-quiet"], cwd=ROOT, capture_output=True, text=True, timeout=600
-        )
-        self.expect(done.returncode == 0, f"exit status {done.returncode} {done.stderr.strip()}")
-        return directory if done.returncode == 0 else None
+    def check(self, variant):
+        run = self.run(variant)
+        if not run:
+            return
+        self.results(run[0], variant)
+        if variant == "fe_only":
+            self.displacements(run[0])
 
     def results(self, run, variant):
         results = fields.read_summary(run)["results"]
@@ -80,27 +72,5 @@ class Check:
             self.expect_vector("displacement [m]", found, expected, DISPLACEMENT_TOLERANCE)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("variants", nargs="*", metavar="VARIANT", help=", ".join(ERRORS))
-    parser.add_argument("--executable", default=str(ROOT / "build/release/pdxsolve"))
-    arguments = parser.parse_args()
-    unknown = [name for name in arguments.variants if name not in ERRORS]
-    if unknown:
-        parser.error(f"no variant {unknown[0]}: choose from {', '.join(ERRORS)}")
-    executable = str(pathlib.Path(arguments.executable).resolve())
-
-    check = Check()
-    with tempfile.TemporaryDirectory() as scratch:
-        for variant in arguments.variants or ERRORS:
-            run = check.run(executable, variant, pathlib.Path(scratch) / variant)
-            if run:
-                check.results(run, variant)
-                if variant == "fe_only":
-                    check.displacements(run)
-    print(f"{check.failures} failed" if check.failures else "all holds")
-    return 1 if check.failures else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(case_check.main(__doc__, Check, ERRORS))

@@ -1,0 +1,54 @@
+"""What every cases/*/check.py does: run variants through the program, say what holds and what does not."""
+
+import argparse
+import pathlib
+import subprocess
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+
+
+class Check:
+    """Runs variants of one case in a scratch directory and counts what does not hold."""
+
+    def __init__(self, case, executable, scratch):
+        self.case, self.executable, self.scratch, self.failures = case, executable, pathlib.Path(scratch), 0
+
+    def expect(self, holds, what):
+        print(f"  {'ok  ' if holds else 'FAIL'} {what}", flush=True)
+        self.failures += not holds
+
+    def expect_near(self, name, found, expected, tolerance):
+        gap = abs(found / expected - 1.0)
+        self.expect(gap <= tolerance, f"{name} {found:.9g} against {expected:.9g}: off by {gap:.1e} of it")
+
+    def run(self, variant, ranks=2, options=(), name=None):
+        """Runs cases/CASE/VARIANT.opts; its output directory and what it said on standard error, or None if it
+        failed."""
+        directory = self.scratch / (name or f"{variant}_{ranks}")
+        launcher = ["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []
+        command = [*launcher, self.executable]
+        command += ["-options_file", f"cases/{self.case}/{variant}.opts", *options]
+        command += ["-output_dir", str(directory), "-quiet"]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=900)
+        self.expect(done.returncode == 0, f"{directory.name}: exit status {done.returncode} {done.stderr.strip()}")
+        return (directory, done.stderr) if done.returncode == 0 else None
+
+
+def main(description, check_class, names, what="VARIANT"):
+    """Parses the command line, calls `check_class(executable, scratch).check(name)` for the names asked for, and returns
+    the exit status."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar=what, help=", ".join(names))
+    parser.add_argument("--executable", default=str(ROOT / "build/release/pdxsolve"))
+    arguments = parser.parse_args()
+    unknown = [name for name in arguments.names if name not in names]
+    if unknown:
+        parser.error(f"no {what.lower()} {unknown[0]}: choose from {', '.join(names)}")
+    with tempfile.TemporaryDirectory() as scratch:
+        check = check_class(str(pathlib.Path(arguments.executable).resolve()), scratch)
+        for name in arguments.names or names:
+            print(name, flush=True)
+            check.check(name)
+    print(f"{check.failures} failed" if check.failures else "all holds")
+    return 1 if check.failures else 0
