@@ -14,11 +14,6 @@
 
 namespace pdx::app {
 namespace {
-pd::Kinematics bond_kinematics(const SceneOptions& options)
-{
-  return options.kinematics == Kinematics::small ? pd::Kinematics::linear : pd::Kinematics::finite;
-}
-
 std::optional<std::size_t> patch_at(const PatchPlan& plan, const Vector<2>& x)
 {
   for (std::size_t p = 0; p < plan.shapes.size(); ++p)
@@ -56,7 +51,7 @@ std::vector<post::ContourJ> contours_at(const Solved& s, const crack::Tip& tip, 
   const pd::LatticePart<2>& part = *s.d.bonds->parts()[*patch];
   std::vector<post::SquareContour> contours;
   for (const double side : s.options.post.j_contours) contours.push_back({tip.at, side});
-  const post::PatchState state{s.mesh.comm(), part,    bond_kinematics(s.options),
+  const post::PatchState state{s.mesh.comm(), part,    s.options.bond_kinematics(),
                                s.u,           density, s.d.carried ? part.stencil().reach : 1};
   return post::nonlocal_j(state, tip.direction, contours);
 }
@@ -94,9 +89,8 @@ void parts_of(const Solved& s, const xfem::CutElement& cut, std::vector<post::Pa
 
 double domain_result(const Solved& s, const crack::Tip& tip)
 {
-  const auto kinematics = s.options.kinematics == Kinematics::finite ? fem::Kinematics::finite : fem::Kinematics::small;
   const auto parts = [&](Index cell, std::vector<post::PartOfCell>& into) { parts_of(s, *s.d.sets->cut(cell), into); };
-  return post::domain_j({s.mesh, s.options.elastic, kinematics}, tip,
+  return post::domain_j({s.mesh, s.options.elastic, s.options.element_kinematics()}, tip,
                         {(*s.options.post.j_domain)[0], (*s.options.post.j_domain)[1]},
                         s.d.node_field->displacement(s.u), parts);
 }

@@ -2,6 +2,7 @@
 
 #include "pdx/app/apply_conditions.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/couple/coarse_mesh.hpp"
 #include "pdx/geom/clip.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 
@@ -10,16 +11,6 @@
 
 namespace pdx::app {
 namespace {
-fem::Kinematics element_kinematics(const SceneOptions& options)
-{
-  return options.kinematics == Kinematics::finite ? fem::Kinematics::finite : fem::Kinematics::small;
-}
-
-pd::Kinematics bond_kinematics(const SceneOptions& options)
-{
-  return options.kinematics == Kinematics::small ? pd::Kinematics::linear : pd::Kinematics::finite;
-}
-
 /// A crack may leave the body, but must be somewhere in it.
 void refuse_cracks_outside(const std::vector<crack::Polyline>& cracks, const geom::Box<2>& body)
 {
@@ -132,7 +123,7 @@ void add_fracture(const SceneOptions& options, const PatchPlan& plan, Discretisa
   MPI_Allreduce(MPI_IN_PLACE, &d.bonds_at_start, 1, MPI_INT64_T, MPI_SUM, d.system.rows.comm);
   auto fracture = std::make_unique<couple::Fracture>(
       *d.bonds, d.carried,
-      couple::FractureOptions{d.critical_stretch, f.no_fail, f.release, f.release_share, bond_kinematics(options)});
+      couple::FractureOptions{d.critical_stretch, f.no_fail, f.release, f.release_share, options.bond_kinematics()});
   d.fracture = fracture.get();
   d.system.after.push_back(std::move(fracture));
 }
@@ -149,14 +140,15 @@ void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const
   const bool volume = options.pd.surface_correction == SurfaceCorrection::volume;
   const bool automatic = options.pd.surface_correction == SurfaceCorrection::automatic;
   if (d.elements || d.cut_elements) {
-    const couple::CouplingOptions coupling{options.scheme, bond_kinematics(options), volume || (automatic && corrected),
-                                           d.cracks.empty() ? nullptr : &d.cracks, options.fracture.no_fail};
+    const couple::CouplingOptions coupling{options.scheme, options.bond_kinematics(),
+                                           volume || (automatic && corrected), d.cracks.empty() ? nullptr : &d.cracks,
+                                           options.fracture.no_fail};
     auto carried = couple::carry_bonds(d.system.rows, coupling, parts, d.around);
     d.carried = carried.get();
     d.system.terms.push_back(std::move(carried));
     if (options.scheme != couple::Scheme::energy) d.ghosts = couple::count_ghosts(d.around, parts);
   }
-  auto bonds = std::make_unique<pd::BondTerm<2>>(std::move(parts), bond_kinematics(options), assembled);
+  auto bonds = std::make_unique<pd::BondTerm<2>>(std::move(parts), options.bond_kinematics(), assembled);
   d.bonds = bonds.get();
   d.system.terms.push_back(std::move(bonds));
   if (!d.cracks.empty()) d.bonds->cut(d.cracks);
@@ -165,13 +157,14 @@ void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const
 void add_elements(const mesh::Mesh& mesh, const SceneOptions& options, Discretisation& d)
 {
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::plain).empty())) {
-    auto elements = std::make_unique<fem::ElasticTerm>(mesh, options.elastic, element_kinematics(options), d.node_rows);
+    auto elements =
+        std::make_unique<fem::ElasticTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows);
     d.elements = elements.get();
     d.system.terms.push_back(std::move(elements));
   }
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::cut).empty())) {
     auto cut =
-        std::make_unique<xfem::EnrichedTerm>(mesh, options.elastic, element_kinematics(options), d.node_rows, *d.sets);
+        std::make_unique<xfem::EnrichedTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows, *d.sets);
     d.cut_elements = cut.get();
     d.system.terms.push_back(std::move(cut));
   }
@@ -200,10 +193,10 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   if (d.bonds) add_fracture(options, plan, d);
   if (assembled || !d.bonds) return result;
 
-  couple::FineRows fine{d.nodes, d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
+  couple::FineRows fine{d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
   fine.breakable = d.fracture || !d.cracks.empty();
   system.coarse = std::make_unique<couple::CoarseMesh>(
-      fem::ElasticBody{mesh, options.elastic, element_kinematics(options)}, *d.node_field, fine, system);
+      fem::ElasticBody{mesh, options.elastic, options.element_kinematics()}, *d.node_field, fine, system);
   return result;
 }
 

@@ -53,8 +53,8 @@ field::OutputBlock mesh_block(const mesh::Mesh& mesh, const SceneOptions& option
     rank.values.push_back(mesh.cell_owner(c));
   }
   block.fields.push_back(displacement_field(displacement, owned));
-  const auto kinematics = options.kinematics == Kinematics::finite ? fem::Kinematics::finite : fem::Kinematics::small;
-  block.fields.push_back(stress_field(fem::nodal_stress({mesh, options.elastic, kinematics}, displacement)));
+  block.fields.push_back(
+      stress_field(fem::nodal_stress({mesh, options.elastic, options.element_kinematics()}, displacement)));
   if (options.post.reference_fe)
     block.fields.push_back({"relative_error_percent [%]", field::Rank::scalar, false, false, relative_percent});
   block.fields.push_back(std::move(use));

@@ -187,7 +187,7 @@ void Recorder::accept(const solve::Step& step, Vec u, const solve::StaticDriver&
   fields_due_ = due ? std::nullopt : std::optional(step);
   if (fields_ && due) write_fields(step, u, error ? &*error : nullptr);
   if (grows()) summary_.bonds_broken = d_->fracture->broken();
-  if (last || grows()) write_results(u, last ? prior : Prior{}, error ? &*error : nullptr);
+  if (last) write_results(u, prior, error ? &*error : nullptr);
   summary_.wall_seconds.output += MPI_Wtime() - begin;
   summary_.steps = step.number;
   std::string text = fmt::format("{} linear iterations so far", driver.report().linear_iterations);
@@ -264,6 +264,7 @@ void Recorder::finish(const solve::StaticReport& report)
 void Recorder::stopped_at(Vec u)
 {
   if (fields_ && fields_due_) write_fields(*fields_due_, u, nullptr);
+  if (ledger_ && summary_.steps > 0) write_results(u, {}, nullptr);
 }
 
 void Recorder::fail(const std::string& why)

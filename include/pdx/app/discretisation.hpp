@@ -1,7 +1,9 @@
 #pragma once
 #include "pdx/app/patches.hpp"
 #include "pdx/couple/fracture.hpp"
+#include "pdx/couple/node_field.hpp"
 #include "pdx/fem/elastic_term.hpp"
+#include "pdx/field/system.hpp"
 #include "pdx/pd/bond_term.hpp"
 #include "pdx/xfem/enriched_term.hpp"
 

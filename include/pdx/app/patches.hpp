@@ -1,6 +1,6 @@
 #pragma once
 #include "pdx/app/scene_options.hpp"
-#include "pdx/couple/coarse_mesh.hpp"
+#include "pdx/couple/surroundings.hpp"
 #include "pdx/pd/particles.hpp"
 
 namespace pdx::app {

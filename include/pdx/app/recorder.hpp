@@ -26,7 +26,7 @@ public:
   void accept(const solve::Step& step, Vec u, const solve::StaticDriver& driver, const Prior& prior);
   void count(const solve::StaticReport& report); ///< what it cost so far, for the summary
   void finish(const solve::StaticReport& report);
-  void stopped_at(Vec u); ///< the solver gave up: fields of the last accepted step, if they are not written yet
+  void stopped_at(Vec u); ///< the solver gave up: results and fields of the last accepted step
   void fail(const std::string& why);
   void warn(const std::string& what); ///< a line on standard error, even when quiet
 

@@ -62,6 +62,15 @@ struct SceneOptions {
   PostOptions post;
   OutputOptions output;
 
+  pd::Kinematics bond_kinematics() const
+  {
+    return kinematics == Kinematics::small ? pd::Kinematics::linear : pd::Kinematics::finite;
+  }
+  fem::Kinematics element_kinematics() const
+  {
+    return kinematics == Kinematics::finite ? fem::Kinematics::finite : fem::Kinematics::small;
+  }
+
   /// Throws UserError, alike on every rank. With `describe` nothing is judged: for -help.
   static SceneOptions read(bool describe = false);
 };

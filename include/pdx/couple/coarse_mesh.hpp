@@ -12,7 +12,6 @@
 namespace pdx::couple {
 /// What the rows of a scene are. All that is pointed to must outlive the coarse level.
 struct FineRows {
-  std::span<const Index> nodes;             ///< owned local vertices in order of their rows
   std::span<const PetscInt> node_rows;      ///< global row of every local vertex, -1 under a patch
   const xfem::EnrichedSets* sets = nullptr; ///< null without cracks
   std::span<const std::unique_ptr<pd::LatticePart<2>>> parts;
