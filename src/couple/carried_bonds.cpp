@@ -200,6 +200,7 @@ pd::Broken CarriedBonds<Dim>::break_bonds(std::span<const double> u, std::span<c
   for_each_overstretched(u, rules, [&](std::size_t number, double stretch) {
     const CarriedBond<Dim>& bond = bonds_[number];
     gone_[number] = 1;
+    ++revision_;
     if (counted(bond)) broken += {1, law::bond_energy(bond.kappa, bond.xi.norm(), stretch)};
   });
   return broken;

@@ -152,6 +152,7 @@ template <int Dim> void BondTerm<Dim>::weak_rows(std::vector<Index>& rows) const
 
 template <int Dim> std::int64_t BondTerm<Dim>::cut(const crack::CrackSet& cracks)
 {
+  ++revision_;
   static Event event("pd_cut");
   Timed timed(event);
   std::int64_t count = 0;
@@ -173,6 +174,7 @@ template <int Dim> const typename BondTerm<Dim>::Windows& BondTerm<Dim>::load(st
 template <int Dim> Broken BondTerm<Dim>::break_bonds(const Windows& loaded, std::span<const BreakRule> rules)
 {
   Broken broken;
+  ++revision_;
   for (std::size_t p = 0; p < parts_.size(); ++p) broken += parts_[p]->break_bonds(loaded[p], rules[p]);
   return broken;
 }
@@ -191,6 +193,7 @@ template <int Dim> void BondTerm<Dim>::save()
 
 template <int Dim> void BondTerm<Dim>::restore()
 {
+  ++revision_;
   for (const auto& part : parts_) part->restore();
 }
 

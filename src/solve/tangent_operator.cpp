@@ -68,12 +68,19 @@ void TangentOperator::update(std::span<const double> u)
   static Event event("solve_jacobian");
   Timed timed(event);
   for (const auto& term : system_.terms) term->linearise(u);
-  if (assemblies_)
+  const std::vector<int> moved = moved_terms();
+  const bool kept = assemblies_ > 0 && std::ranges::count(moved, 0) > 0;
+  if (kept) {
+    keep_steady(moved);
+    PDX_CALL(MatCopy(steady_.get(), sparse_.get(), SAME_NONZERO_PATTERN));
+  } else if (assemblies_) {
     PDX_CALL(MatZeroEntries(sparse_.get()));
-  else
+  } else {
     reserve_diagonal();
+  }
   field::BlockAdder adder(sparse_.get(), *system_.halo, system_.held);
-  for (const auto& term : system_.terms) term->add_jacobian(adder, assembled_);
+  for (std::size_t t = 0; t < system_.terms.size(); ++t)
+    if (!kept || !in_steady_[t]) system_.terms[t]->add_jacobian(adder, assembled_);
   adder.finish(system_.scale);
   hold_weak_rows();
   if (shell_) { // tells solvers that the operator changed
@@ -81,6 +88,41 @@ void TangentOperator::update(std::span<const double> u)
     PDX_CALL(MatAssemblyEnd(shell_.get(), MAT_FINAL_ASSEMBLY));
   }
   ++assemblies_;
+}
+
+/// Per Term: 1 if its tangent is not that of the last update, on whatever rank.
+std::vector<int> TangentOperator::moved_terms()
+{
+  std::vector<int> moved;
+  revisions_.resize(system_.terms.size(), -1);
+  for (std::size_t t = 0; t < system_.terms.size(); ++t) {
+    const field::Term& term = *system_.terms[t];
+    moved.push_back(!term.constant_jacobian() || term.revision() != revisions_[t]);
+    revisions_[t] = term.revision();
+  }
+  MPI_Allreduce(MPI_IN_PLACE, moved.data(), static_cast<int>(moved.size()), MPI_INT, MPI_LOR, system_.rows.comm);
+  return moved;
+}
+
+/// While bonds break in a patch, elements and most interfaces stay as they are: their sum is assembled once more and
+/// then copied, until one of them changes too.
+void TangentOperator::keep_steady(const std::vector<int>& moved)
+{
+  bool valid = static_cast<bool>(steady_);
+  for (std::size_t t = 0; valid && t < moved.size(); ++t) valid = !moved[t] || !in_steady_[t];
+  if (valid) return;
+  if (!steady_) {
+    PDX_CALL(MatDuplicate(sparse_.get(), MAT_DO_NOT_COPY_VALUES, steady_.out()));
+    PDX_CALL(MatSetOption(steady_.get(), MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
+  }
+  PDX_CALL(MatZeroEntries(steady_.get()));
+  in_steady_.assign(moved.size(), 0);
+  field::BlockAdder adder(steady_.get(), *system_.halo, system_.held);
+  for (std::size_t t = 0; t < moved.size(); ++t) {
+    in_steady_[t] = !moved[t];
+    if (in_steady_[t]) system_.terms[t]->add_jacobian(adder, assembled_);
+  }
+  adder.finish(0.0);
 }
 
 /// Assembly gives back places where nothing was put; a row without any stiffness needs its own later.

@@ -53,6 +53,13 @@ public:
     if (report_weak) rows.insert(rows.end(), weak.begin(), weak.end());
   }
   bool constant_jacobian() const override { return true; }
+  /// Which springs are broken, as a number.
+  std::int64_t revision() const override
+  {
+    std::uint64_t state = 0;
+    for (const Spring& s : springs_) state = 31 * state + (s.broken ? 2 : 1);
+    return static_cast<std::int64_t>(state);
+  }
 
   bool report_weak = false;
   std::vector<Index> weak;

@@ -47,7 +47,12 @@ public:
                      std::vector<double>& ratios) const;
   /// Remembers which bonds are gone; `restore` goes back to what was remembered last.
   void save() { saved_ = gone_; }
-  void restore() { gone_ = saved_; }
+  void restore()
+  {
+    revision_ += gone_ != saved_;
+    gone_ = saved_;
+  }
+  std::int64_t revision() const override { return revision_; }
   /// Adds the volume at the outer ends to the particles' families, one entry per owned row.
   void add_bonded_volume(std::span<pd::BondedVolume> volumes) const;
 
@@ -67,6 +72,7 @@ private:
   CarriedPoints<Dim> points_;
   std::vector<CarriedBond<Dim>> bonds_;
   std::vector<std::uint8_t> gone_, saved_; // per bond: cut or broken
+  std::int64_t revision_ = 0;              // of gone_
   pd::Kinematics kinematics_;
   bool symmetric_;
   std::vector<double> state_; // displacement of the points at the last linearisation

@@ -37,6 +37,8 @@ public:
   /// True if the tangent does not depend on u: it is then built once, and again only after an AfterSolve changed
   /// something.
   virtual bool constant_jacobian() const { return false; }
+  /// Of a Term with a constant tangent: another number after an AfterSolve changed it, or changed it back.
+  virtual std::int64_t revision() const { return 0; }
   /// True if the tangent is symmetric.
   virtual bool symmetric() const { return true; }
 };

@@ -34,6 +34,7 @@ public:
   Broken break_bonds(const Windows& loaded, std::span<const BreakRule> rules);
   /// s/s0 of the bonds that `break_bonds` would break and this rank counts, in any order.
   void overstretched(const Windows& loaded, std::span<const BreakRule> rules, std::vector<double>& ratios) const;
+  std::int64_t revision() const override { return revision_; }
   void save();
   void restore();             ///< needs a `save` before
   std::int64_t bonds() const; ///< intact ones that this rank counts
@@ -51,6 +52,7 @@ private:
   std::vector<std::unique_ptr<LatticePart<Dim>>> parts_;
   Kinematics kinematics_;
   bool assembled_;
+  std::int64_t revision_ = 0; // of the bonds
   const field::RowHalo* halo_ = nullptr;
   Windows state_; // displacement the tangent is taken at
   mutable Windows scratch_;

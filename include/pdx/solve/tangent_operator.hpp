@@ -32,13 +32,18 @@ private:
   void make_sparse();
   void make_shell();
   void reserve_diagonal();
+  std::vector<int> moved_terms();
+  void keep_steady(const std::vector<int>& moved);
   void hold_weak_rows();
   Block diagonal_block(Index row) const;
 
   const field::System& system_;
   bool assembled_;
   MatHandle sparse_, shell_;
-  std::vector<Index> held_components_; // owned
+  MatHandle steady_;                    // sum of the Terms that did not change lately; none before something changed
+  std::vector<std::uint8_t> in_steady_; // per Term
+  std::vector<std::int64_t> revisions_; // of the Terms at the last update
+  std::vector<Index> held_components_;  // owned
   std::vector<double> masked_;
   struct WeakRow {
     Index row;  ///< owned
