@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/field/block_adder.hpp"
 #include "pdx/field/rows.hpp"
+#include "pdx/field/tie.hpp"
 
 namespace pdx::field {
 /// One physical contribution to the residual (elements, bonds, carried bonds). Solvers know Terms, never physics.
@@ -41,5 +42,16 @@ public:
   virtual std::int64_t revision() const { return 0; }
   /// True if the tangent is symmetric.
   virtual bool symmetric() const { return true; }
+
+  /// Adds the lumped mass [kg] of the owned rows. A tied row holds the mass of what moves with its tied displacement.
+  /// @param mass one entry per owned row
+  virtual void add_mass(std::span<double> mass) const { (void)mass; }
+  /// Adds blocks D_i [N/m] of the owned rows that bound the tangent at rest from above: u.K u <= sum_i u_i.D_i u_i for
+  /// all u, in tied displacements. Such bounds add up over Terms, and no frequency of the whole is above
+  /// max_i sqrt(lambda_max(D_i) / m_i).
+  /// @param blocks owned rows * dim * dim, row-major
+  virtual void add_stiffness_bound(std::span<double> blocks) const { (void)blocks; }
+  /// Appends the ties of owned rows.
+  virtual void ties(std::vector<Tie>& ties) const { (void)ties; }
 };
 } // namespace pdx::field

@@ -10,6 +10,7 @@ struct Elastic {
   double poisson = 0.0;        ///< nu, of the solid (not of the plane problem)   [-]
   Plane plane = Plane::stress; ///< which plane problem
   double thickness = 1.0;      ///< out of plane                                  [m]
+  double density = 0.0;        ///< rho; 0: statics only                          [kg/m^3]
 
   /// Second Lame parameter, the shear modulus E / (2 (1 + nu)).                    [Pa]
   double mu() const { return young / (2.0 * (1.0 + poisson)); }
