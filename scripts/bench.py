@@ -3,7 +3,8 @@
 
 usage: bench.py [--executable build/release/pdxsolve] [--rounds 5] [--out out/bench] [--only PART,PART]
 Parts without cracks: speed, size, ranks, pareto. With cracks: coupled and direct (coupled against particles only, default
-and direct solver), run (dcb row 3), sequence (a crack that grows from solve to solve), fracture_pareto.
+and direct solver), run (dcb row 3), sequence (a crack that grows from solve to solve), notch_pareto,
+beam_pareto.
 The two sides of a ratio run in turn, round after round; the quoted numbers are medians. One-rank runs are pinned to a
 core. Writes bench.json, table.md and pictures into the output directory.
 """
@@ -122,7 +123,7 @@ def main():
     parser.add_argument("--executable", default=ROOT / "build/release/pdxsolve")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/bench")
-    parser.add_argument("--only", default="speed,size,ranks,pareto,coupled,direct,run,sequence,fracture_pareto")
+    parser.add_argument("--only", default="speed,size,ranks,pareto,coupled,direct,run,sequence,notch_pareto,beam_pareto")
     parser.add_argument("--package", default="cholmod", help="direct: -pc_factor_mat_solver_type of both sides")
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)

@@ -31,17 +31,24 @@ public:
   void apply()
   {
     auto& load = d_.system.load;
-    load.assign(static_cast<std::size_t>(d_.system.rows.owned()) * 2, 0.0);
+    const auto size = static_cast<std::size_t>(d_.system.rows.owned()) * 2;
+    load.assign(size, 0.0);
     for (const BoundaryCondition& c : options_.conditions) {
       if (c.holds()) hold(c);
+      if (c.initial_velocity) throw_in(c);
+      if (!c.traction && !c.body && !c.force) continue;
+      load_.assign(size, 0.0);
       if (c.traction) pull(c);
       if (c.body) weigh(c);
       if (c.force) push(c);
+      if (options_.time.dynamic()) drive_load(c);
+      for (std::size_t k = 0; k < size; ++k) load[k] += load_[k];
     }
-    for (const auto& [component, value] : values_) {
+    for (const auto& [component, held] : values_) {
       d_.system.prescribed.components.push_back(component);
-      d_.system.prescribed.values.push_back(value);
+      d_.system.prescribed.values.push_back(held.value);
     }
+    if (options_.time.dynamic()) drive_held();
   }
 
 private:
@@ -96,7 +103,35 @@ private:
     return rows;
   }
 
-  void hold(const BoundaryCondition& c)
+  /// The sparse part of `load_` that acts with this condition's history.
+  void drive_load(const BoundaryCondition& c)
+  {
+    field::Drive drive{field::Drive::Kind::force, c.history.value_or(field::History()), {}, {}};
+    for (std::size_t k = 0; k < load_.size(); ++k) {
+      if (load_[k] == 0.0) continue;
+      drive.components.push_back(static_cast<Index>(k));
+      drive.values.push_back(load_[k]);
+    }
+    d_.system.drives.push_back(std::move(drive));
+  }
+
+  /// Held components by the condition that holds them, displacements and velocities apart.
+  void drive_held()
+  {
+    std::map<std::pair<std::size_t, bool>, field::Drive> drives;
+    for (const auto& [component, held] : values_) {
+      const BoundaryCondition& c = options_.conditions[held.condition];
+      field::Drive& drive = drives[{held.condition, held.moves}];
+      drive.kind = held.moves ? field::Drive::Kind::velocity : field::Drive::Kind::displacement;
+      drive.history = c.history.value_or(field::History());
+      drive.components.push_back(component);
+      drive.values.push_back(held.value);
+    }
+    for (auto& [key, drive] : drives) d_.system.drives.push_back(std::move(drive));
+  }
+
+  /// What the condition's boundary and box select; without either, everything.
+  std::set<Index> rows_of(const BoundaryCondition& c) const
   {
     std::set<Index> rows;
     if (!c.on.empty() && !c.layer) {
@@ -113,20 +148,39 @@ private:
           rows.insert(d_.system.rows.first_particle() + static_cast<Index>(k));
     }
     if (!any_rank(mesh_.comm(), !rows.empty()))
-      throw UserError(
-          fmt::format("-bc_{}_{}: no node and no particle lies there to be held", c.name, c.box ? "box" : "on"));
+      throw UserError(fmt::format("-bc_{}_{}: no node and no particle lies there", c.name, c.box ? "box" : "on"));
+    return rows;
+  }
+
+  bool is_set(Index row) const { return row >= d_.system.rows.nodes && row < d_.system.rows.first_particle(); }
+
+  void throw_in(const BoundaryCondition& c)
+  {
+    auto& velocity = d_.system.initial_velocity;
+    velocity.resize(static_cast<std::size_t>(d_.system.rows.owned()) * 2, 0.0);
+    for (const Index row : rows_of(c))
+      for (Index a = 0; a < 2; ++a)
+        velocity[static_cast<std::size_t>(2 * row + a)] = is_set(row) ? 0.0 : (*c.initial_velocity)[a];
+  }
+
+  void hold(const BoundaryCondition& c)
+  {
+    const std::set<Index> rows = rows_of(c);
     HeldPart part{c.name, {}};
     const auto take_over = [&](Index component) { // later conditions win, and the reaction is theirs
       for (HeldPart& earlier : d_.held_parts) std::erase(earlier.components, component);
     };
     for (const Index row : rows)
-      for (Index a = 0; a < 2; ++a)
-        if (const auto& value = c.displacement[static_cast<std::size_t>(a)]) {
+      for (Index a = 0; a < 2; ++a) {
+        const bool moves = c.velocity[static_cast<std::size_t>(a)].has_value();
+        if (const auto& value = (moves ? c.velocity : c.displacement)[static_cast<std::size_t>(a)]) {
           const bool contested = values_.contains(2 * row + a);
-          values_[2 * row + a] = *value;
+          values_[2 * row + a] = {is_set(row) ? 0.0 : *value, static_cast<std::size_t>(&c - options_.conditions.data()),
+                                  moves}; // a held crack does not open
           if (contested) take_over(2 * row + a);
           part.components.push_back(2 * row + a);
         }
+      }
     d_.held_parts.push_back(std::move(part));
   }
 
@@ -205,10 +259,10 @@ private:
     for (const auto& place : places) add(place.second, *c.force / count);
   }
 
-  fem::NodalForces target() { return {d_.node_rows, d_.system.rows, d_.system.load}; }
+  fem::NodalForces target() { return {d_.node_rows, d_.system.rows, load_}; }
   void add(Index row, const Vector<2>& force)
   {
-    for (Index a = 0; a < 2; ++a) d_.system.load[static_cast<std::size_t>(2 * row + a)] += force[a];
+    for (Index a = 0; a < 2; ++a) load_[static_cast<std::size_t>(2 * row + a)] += force[a];
   }
 
   const mesh::Mesh& mesh_;
@@ -216,13 +270,19 @@ private:
   const PatchPlan& plan_;
   Discretisation& d_;
   std::map<std::pair<int, Index>, Index> row_of_;
-  std::map<Index, double> values_; // later conditions win
+  struct Held {
+    double value = 0.0; ///< [m] or [m/s]
+    std::size_t condition = 0;
+    bool moves = false; ///< it is a velocity
+  };
+  std::map<Index, Held> values_; // later conditions win
+  std::vector<double> load_;     // of one condition [N]
 };
 } // namespace
 
 void apply_conditions(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
 {
   Conditions(mesh, options, plan, d).apply();
-  require_support(d.system);
+  if (!options.time.dynamic()) require_support(d.system);
 }
 } // namespace pdx::app

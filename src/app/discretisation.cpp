@@ -121,9 +121,15 @@ void add_fracture(const SceneOptions& options, const PatchPlan& plan, Discretisa
                                  *f.toughness, f.by));
   d.bonds_at_start = d.bonds->bonds() + (d.carried ? d.carried->bonds() : 0);
   MPI_Allreduce(MPI_IN_PLACE, &d.bonds_at_start, 1, MPI_INT64_T, MPI_SUM, d.system.rows.comm);
-  auto fracture = std::make_unique<couple::Fracture>(
-      *d.bonds, d.carried,
-      couple::FractureOptions{d.critical_stretch, f.no_fail, f.release, f.release_share, options.bond_kinematics()});
+  const couple::FractureOptions rule{d.critical_stretch, f.no_fail, f.release, f.release_share,
+                                     options.bond_kinematics()};
+  if (options.time.dynamic()) {
+    auto breaker = std::make_unique<couple::StepBreaker>(*d.bonds, d.carried, rule);
+    d.breaker = breaker.get();
+    d.system.after_step.push_back(std::move(breaker));
+    return;
+  }
+  auto fracture = std::make_unique<couple::Fracture>(*d.bonds, d.carried, rule);
   d.fracture = fracture.get();
   d.system.after.push_back(std::move(fracture));
 }

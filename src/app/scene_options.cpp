@@ -30,6 +30,7 @@ law::Elastic read_material(bool describe)
                            "Poisson's ratio; with particles 1/3 (plane stress) or 1/4 (plane strain), taken exactly",
                            {-0.999, 0.4999});
   elastic.thickness = o.real("-material_thickness", 1.0, "m", "out-of-plane thickness", Range::positive());
+  elastic.density = o.real("-material_density", 0.0, "kg/m^3", "mass density; needed in time", Range::positive());
   if (!describe && std::isnan(elastic.young))
     throw UserError("-material_young is missing: give Young's modulus in Pa, e.g. -material_young 1e9");
   return elastic;
@@ -91,10 +92,9 @@ PdOptions read_pd(const law::Elastic& elastic, bool describe)
   return pd;
 }
 
-std::array<std::optional<double>, 2> read_components(Options& o, const std::string& name)
+std::array<std::optional<double>, 2> read_components(Options& o, const std::string& name, const char* help)
 {
-  const std::vector<std::string> parts =
-      o.texts(name, {}, "held displacement ux,uy [m]; the word free leaves a component");
+  const std::vector<std::string> parts = o.texts(name, {}, help);
   std::array<std::optional<double>, 2> held;
   if (parts.empty()) return held;
   if (parts.size() != 2)
@@ -109,8 +109,8 @@ std::array<std::optional<double>, 2> read_components(Options& o, const std::stri
       end = 0;
     }
     if (end != parts[a].size() || !std::isfinite(value))
-      throw UserError(fmt::format("{} is \"{}\" in component {}: must be a finite number in m or the word free", name,
-                                  parts[a], a + 1));
+      throw UserError(
+          fmt::format("{} is \"{}\" in component {}: must be a finite number or the word free", name, parts[a], a + 1));
     held[a] = value;
   }
   return held;
@@ -126,15 +126,20 @@ std::optional<Vector<2>> read_vector(Options& o, const std::string& name, const 
 void judge(const BoundaryCondition& c)
 {
   const std::string stem = "-bc_" + c.name;
-  if (!c.holds() && !c.traction && !c.body && !c.force)
+  if (!c.holds() && !c.traction && !c.body && !c.force && !c.initial_velocity)
     throw UserError(
-        fmt::format("{0}: nothing is prescribed: give {0}_displacement, {0}_traction, {0}_body or {0}_force", stem));
+        fmt::format("{0}: nothing is prescribed: give {0}_displacement, {0}_traction, {0}_body or {0}_force "
+                    "(in time also {0}_velocity or {0}_initial_velocity)",
+                    stem));
+  for (std::size_t a = 0; a < 2; ++a)
+    if (c.displacement[a] && c.velocity[a])
+      throw UserError(fmt::format("{0}_velocity holds what {0}_displacement holds already: write free for one", stem));
   if ((c.holds() || c.traction) && c.on.empty() && !c.box)
     throw UserError(fmt::format("{0}: no place given: name a boundary with {0}_on, or a box with {0}_box", stem));
   if (c.traction && c.on.empty())
     throw UserError(
         fmt::format("{0}_traction needs edges: name their boundary with {0}_on (and cut it with {0}_box)", stem));
-  if (!c.on.empty() && !c.holds() && !c.traction)
+  if (!c.on.empty() && !c.holds() && !c.traction && !c.initial_velocity)
     throw UserError(fmt::format("{0}_on is {1}: a body force acts everywhere or in {0}_box, a point force at {0}_at; "
                                 "drop {0}_on",
                                 stem, c.on));
@@ -158,13 +163,18 @@ BoundaryCondition read_condition(const std::string& name, bool describe)
       throw UserError(fmt::format("{}_box is {},{},{},{}: must be x0,y0,x1,y1 with x0 <= x1 and y0 <= y1", stem, box[0],
                                   box[1], box[2], box[3]));
   }
-  c.displacement = read_components(o, stem + "_displacement");
+  c.displacement =
+      read_components(o, stem + "_displacement", "held displacement ux,uy [m]; the word free leaves a component");
+  c.velocity = read_components(o, stem + "_velocity", "held velocity vx,vy [m/s], in time; the word free as above");
+  c.initial_velocity =
+      read_vector(o, stem + "_initial_velocity", "m/s", "velocity vx,vy at the start, free afterwards");
   c.traction = read_vector(o, stem + "_traction", "Pa", "constant traction tx,ty on the boundary");
   c.body = read_vector(o, stem + "_body", "N/m^3", "body force bx,by");
   c.force = read_vector(o, stem + "_force", "N",
                         "point force fx,fy on the nearest node or particle, shared by equally near ones");
   const auto at = read_vector(o, stem + "_at", "m", "place x,y of the point force");
   if (at) c.at = *at;
+  c.history = read_history(o, stem);
   c.rows = o.integer(stem + "_rows", 1, "particle rows under the boundary that take part", {1.0, 1e6});
   c.layer = o.boolean(stem + "_layer", false, "hold a layer of one horizon of particles outside the boundary");
   if (describe) return c;
@@ -188,17 +198,39 @@ std::vector<BoundaryCondition> read_conditions(bool describe)
   return conditions;
 }
 
-OutputOptions read_output(const std::string& case_name)
+OutputOptions read_output(const std::string& case_name, bool dynamic)
 {
   Options o("output");
   OutputOptions output;
   output.directory = o.text("-output_dir", "out/" + case_name, "directory for all files");
   output.fields = o.boolean("-output_fields", false, "write fields.h5 and fields.xdmf for ParaView");
   output.interval =
-      o.integer("-output_interval", 1, "accepted steps between fields; the last step is always written", {1.0, 1e9});
-  output.history = o.boolean("-output_history", false, "write history.csv, a row per accepted step");
+      o.integer("-output_interval", dynamic ? 100 : 1,
+                "accepted steps between fields (in time: 100); the last step is always written", {1.0, 1e9});
+  output.history = o.boolean("-output_history", false, "write history.csv");
+  output.history_interval = o.integer("-output_history_interval", dynamic ? 10 : 1,
+                                      "accepted steps between rows of history.csv (in time: 10)", {1.0, 1e9});
   output.quiet = o.boolean("-quiet", false, "no progress");
   return output;
+}
+
+void judge_time(const SceneOptions& s)
+{
+  if (s.time.dynamic()) {
+    if (s.elastic.density <= 0.0)
+      throw UserError("-material_density is missing: things that move have a mass; give it in kg/m^3");
+    if (s.scheme == couple::Scheme::interface)
+      throw UserError("-couple_scheme interface is not symmetric and grows without bound in time: use energy or ghost");
+    if (s.post.reference_fe || s.post.energy_release)
+      throw UserError("-post_reference_fe and -post_energy_release compare equilibria: they need -analysis static");
+    return;
+  }
+  for (const BoundaryCondition& c : s.conditions)
+    if (c.moves() || c.initial_velocity || c.history)
+      throw UserError(fmt::format("-bc_{}_{} acts in time: give -analysis explicit or implicit", c.name,
+                                  c.moves()   ? "velocity"
+                                  : c.history ? "history"
+                                              : "initial_velocity"));
 }
 
 void judge(const SceneOptions& s)
@@ -220,7 +252,9 @@ void judge(const SceneOptions& s)
     throw UserError("-post_j_contours lie in a patch, but there is none: give -post_j_domain for elements");
   if (s.post.any_j() && s.cracks.lines.empty() && !s.post.j_centre)
     throw UserError("-post_j_... needs a crack: give -crack_names, or -post_j_centre");
-  if (std::none_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.holds(); }))
+  judge_time(s);
+  if (!s.time.dynamic() &&
+      std::none_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.holds(); }))
     throw UserError("the body is not held anywhere: give a -bc_NAME_displacement");
 }
 } // namespace
@@ -248,8 +282,9 @@ SceneOptions SceneOptions::read(bool describe)
   s.fracture = FractureOptions::read();
   s.conditions = read_conditions(describe);
   s.load = LoadOptions::read();
+  s.time = TimeOptions::read();
   s.post = PostOptions::read();
-  s.output = read_output(s.case_name);
+  s.output = read_output(s.case_name, s.time.dynamic());
   if (describe) return s;
   refuse_unknown_options();
   judge(s);

@@ -59,11 +59,19 @@ void RowHalo::fetch(std::span<const double> owned, int components, std::vector<d
   const std::size_t own = static_cast<std::size_t>(rows_.owned()) * static_cast<std::size_t>(components);
   all.resize(static_cast<std::size_t>(size()) * static_cast<std::size_t>(components));
   std::copy_n(owned.begin(), own, all.begin());
+  broadcast(all.data(), components);
+}
+
+void RowHalo::refresh(std::span<double> blocks) const { broadcast(blocks.data(), rows_.dim); }
+
+void RowHalo::broadcast(double* all, int components) const
+{
   MPI_Datatype block = MPI_DATATYPE_NULL;
   MPI_Type_contiguous(components, MPI_DOUBLE, &block);
   MPI_Type_commit(&block);
-  PDX_CALL(PetscSFBcastBegin(sf_.get(), block, all.data(), all.data() + own, MPI_REPLACE));
-  PDX_CALL(PetscSFBcastEnd(sf_.get(), block, all.data(), all.data() + own, MPI_REPLACE));
+  double* halo = all + static_cast<std::ptrdiff_t>(rows_.owned()) * components;
+  PDX_CALL(PetscSFBcastBegin(sf_.get(), block, all, halo, MPI_REPLACE));
+  PDX_CALL(PetscSFBcastEnd(sf_.get(), block, all, halo, MPI_REPLACE));
   MPI_Type_free(&block);
 }
 

@@ -2,6 +2,7 @@
 #include "pdx/app/patches.hpp"
 #include "pdx/couple/fracture.hpp"
 #include "pdx/couple/node_field.hpp"
+#include "pdx/couple/step_breaker.hpp"
 #include "pdx/fem/elastic_term.hpp"
 #include "pdx/field/system.hpp"
 #include "pdx/pd/bond_term.hpp"
@@ -29,7 +30,8 @@ struct Discretisation {
   xfem::EnrichedTerm* cut_elements = nullptr; ///< null without cut elements
   pd::BondTerm<2>* bonds = nullptr;           ///< null without patches
   couple::CarriedBonds<2>* carried = nullptr; ///< null without an interface
-  couple::Fracture* fracture = nullptr;       ///< borrowed from system.after; null if nothing can break
+  couple::Fracture* fracture = nullptr;       ///< borrowed from system.after; null in time or if nothing can break
+  couple::StepBreaker* breaker = nullptr;     ///< borrowed from system.after_step; null in statics or likewise
   std::vector<double> critical_stretch;       ///< per patch [-]; empty if nothing can break
   std::int64_t bonds_at_start = 0;            ///< of all ranks, after the cracks that were given
   std::vector<HeldPart> held_parts;

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/app/fracture_options.hpp"
+#include "pdx/app/time_options.hpp"
 #include "pdx/base/options.hpp"
 #include "pdx/couple/schemes.hpp"
 #include "pdx/law/elastic.hpp"
@@ -19,13 +20,17 @@ struct BoundaryCondition {
   std::string on;                                    ///< boundary of the mesh, "" if chosen by a box alone
   std::optional<geom::Box<2>> box;                   ///< only what lies in it [m]
   std::array<std::optional<double>, 2> displacement; ///< held components [m]
+  std::array<std::optional<double>, 2> velocity;     ///< the same, moved in time [m/s]
+  std::optional<Vector<2>> initial_velocity;         ///< free afterwards [m/s]
+  std::optional<field::History> history;             ///< of all but the initial velocity; none: constant
   std::optional<Vector<2>> traction;                 ///< [Pa]
   std::optional<Vector<2>> body;                     ///< [N/m^3]
   std::optional<Vector<2>> force;                    ///< at the node or particle nearest to `at` [N]
   Vector<2> at = Vector<2>::Zero();                  ///< [m]
   int rows = 1;                                      ///< particle rows under the boundary that take part
   bool layer = false;                                ///< held particles in a layer of one horizon outside the body
-  bool holds() const { return displacement[0] || displacement[1]; }
+  bool moves() const { return velocity[0] || velocity[1]; }
+  bool holds() const { return displacement[0] || displacement[1] || moves(); }
 };
 
 struct PdOptions {
@@ -44,7 +49,8 @@ struct PdOptions {
 struct OutputOptions {
   std::string directory;
   bool fields = false, history = false, quiet = false;
-  int interval = 1; ///< accepted steps from one set of fields to the next; the last is always written
+  int interval = 1;         ///< accepted steps from one set of fields to the next; the last is always written
+  int history_interval = 1; ///< steps from one row of history.csv, and one look at the energies, to the next
 };
 
 /// All that a user may say about a scene; read once, judged once, refused not mended.
@@ -59,6 +65,7 @@ struct SceneOptions {
   FractureOptions fracture;
   std::vector<BoundaryCondition> conditions;
   LoadOptions load;
+  TimeOptions time;
   PostOptions post;
   OutputOptions output;
 

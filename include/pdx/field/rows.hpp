@@ -33,12 +33,16 @@ public:
   PetscInt global(Index local) const;
   /// Copies the owned blocks of u and fetches the halo: size() * dim values. Collective.
   void gather(Vec u, std::vector<double>& blocks) const;
+  /// Fetches the halo behind the owned values that stand in `blocks` (size() * dim) already. Collective.
+  void refresh(std::span<double> blocks) const;
   /// The same for flat per-row data of any number of components per row. Collective.
   void fetch(std::span<const double> owned, int components, std::vector<double>& all) const;
   /// Adds the halo part of `all` (size() * components) to the owners' values, which stand first. Collective.
   void reduce(std::vector<double>& all, int components) const;
 
 private:
+  void broadcast(double* all, int components) const;
+
   Rows rows_;
   std::vector<PetscInt> halo_; ///< global rows, ascending
   SfHandle sf_;

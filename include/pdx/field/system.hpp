@@ -1,6 +1,8 @@
 #pragma once
 #include "pdx/field/after_solve.hpp"
+#include "pdx/field/after_step.hpp"
 #include "pdx/field/coarse_space.hpp"
+#include "pdx/field/drive.hpp"
 #include "pdx/field/term.hpp"
 
 #include <memory>
@@ -17,13 +19,16 @@ struct System {
   Rows rows;
   std::unique_ptr<RowHalo> halo;
   std::vector<std::unique_ptr<Term>> terms;
-  std::vector<std::unique_ptr<AfterSolve>> after; ///< asked in this order after each solve
+  std::vector<std::unique_ptr<AfterSolve>> after;     ///< asked in this order after each solve
+  std::vector<std::unique_ptr<AfterStep>> after_step; ///< asked in this order after each time step
   Prescribed prescribed;
-  std::vector<std::uint8_t> held;      ///< 1 per prescribed component of every local row [owned | halo]
-  std::vector<double> load;            ///< external force at load 1, owned rows * dim [N]
-  std::vector<double> coordinates;     ///< of owned rows, dim per row [m]
-  std::unique_ptr<CoarseSpace> coarse; ///< none: assembled operators only
-  double scale = 1.0;                  ///< diagonal of prescribed components [N/m]
+  std::vector<std::uint8_t> held;       ///< 1 per prescribed component of every local row [owned | halo]
+  std::vector<double> load;             ///< external force at load 1, owned rows * dim [N]
+  std::vector<Drive> drives;            ///< the same in time: loads, and the motion of what is held
+  std::vector<double> initial_velocity; ///< owned rows * dim; empty: at rest [m/s]
+  std::vector<double> coordinates;      ///< of owned rows, dim per row [m]
+  std::unique_ptr<CoarseSpace> coarse;  ///< none: assembled operators only
+  double scale = 1.0;                   ///< diagonal of prescribed components [N/m]
 
   /// Finds the halo of all Terms, binds them and spreads `held`. Call once, after rows, terms and prescribed are set.
   /// Collective.

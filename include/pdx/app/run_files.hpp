@@ -1,0 +1,53 @@
+#pragma once
+#include "pdx/app/discretisation.hpp"
+#include "pdx/io/curve.hpp"
+#include "pdx/io/progress.hpp"
+#include "pdx/io/snapshot.hpp"
+#include "pdx/io/summary.hpp"
+#include "pdx/post/energy_ledger.hpp"
+
+namespace pdx::app {
+/// The scene a run is about, once it stands. All that is pointed to must outlive the run.
+struct Standing {
+  mesh::Mesh* mesh = nullptr;
+  const PatchPlan* plan = nullptr;
+  const Discretisation* d = nullptr;
+};
+
+/// What every run leaves behind, static or in time: the directory, fields as asked, `summary.json` always, progress and
+/// the closing table. All methods are collective.
+class RunFiles {
+public:
+  RunFiles(MPI_Comm comm, const SceneOptions& options, double begin);
+  /// The scene stands: counts it, reports its cracks, opens the file of fields.
+  void built(const Standing& scene);
+  void started(); ///< set-up is over, solving begins
+  void open_history(const std::vector<io::Column>& columns);
+  void write_fields(double time, Vec u, const std::vector<double>& relative_percent = {});
+  void write_summary(const char* status);
+  void fail(const std::string& why);
+  void warn(const std::string& what) const; ///< a line on standard error, even when quiet
+  /// Columns of the reactions of held parts, two each; the same for energies of a crack.
+  void add_reaction_columns(std::vector<io::Column>& columns) const;
+  void add_tip_columns(std::vector<io::Column>& columns) const;
+  /// Sums per held part, x and y, of one value per owned component, sets left out [N].
+  std::vector<double> reactions(std::span<const double> force) const;
+  /// This rank's strain energies at local blocks u [J].
+  post::Energies energies(std::span<const double> local) const;
+
+  bool grows() const { return scene.d->fracture != nullptr; }
+  MPI_Comm comm() const { return comm_; }
+  const SceneOptions& options;
+  Standing scene;
+  io::Progress progress;
+  io::Summary summary;
+  std::unique_ptr<io::FieldsFile> fields; ///< null: not asked for
+  std::unique_ptr<io::Curve> history;     ///< null: not asked for
+
+private:
+  void report_cracks();
+
+  MPI_Comm comm_;
+  double begin_;
+};
+} // namespace pdx::app

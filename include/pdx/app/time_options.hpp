@@ -1,0 +1,28 @@
+#pragma once
+#include "pdx/field/history.hpp"
+
+#include <optional>
+#include <string>
+
+namespace pdx {
+class Options;
+}
+
+namespace pdx::app {
+/// statics: a path of equilibria. explicit_dynamics: central differences. implicit_dynamics: generalised alpha.
+enum class Analysis { statics, explicit_dynamics, implicit_dynamics };
+
+/// How a scene moves in time, besides PETSc's own -ts_...
+struct TimeOptions {
+  Analysis analysis = Analysis::statics;
+  double safety = 0.9; ///< share of the stable limit that a step takes by itself [-]
+  bool allow_unstable = false;
+
+  bool dynamic() const { return analysis != Analysis::statics; }
+  static TimeOptions read();
+};
+
+/// The history of the boundary condition with this stem ("-bc_top"), none if it has none.
+/// Throws UserError for numbers that make no history and a table that cannot be read.
+std::optional<field::History> read_history(Options& o, const std::string& stem);
+} // namespace pdx::app

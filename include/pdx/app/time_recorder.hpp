@@ -1,0 +1,51 @@
+#pragma once
+#include "pdx/app/run_files.hpp"
+#include "pdx/solve/explicit_driver.hpp"
+
+namespace pdx::app {
+/// Stable steps of a scene, for the report [s].
+struct StepLimits {
+  double rigorous = 0.0;
+  double papers = 0.0; ///< [XPD1 Eq. 26] of the finest patch; 0 without patches
+};
+
+/// Where the energy of a moving body is, on all ranks. [J]
+struct MotionEnergies {
+  double kinetic_elements = 0.0, kinetic_particles = 0.0;
+  double scheme = 0.0; ///< dt^2/8 a.M a, see solve::KineticEnergy
+  post::Energies stored;
+  double work = 0.0, initial = 0.0;
+
+  double kinetic() const { return kinetic_elements + kinetic_particles; }
+  /// What came in and is nowhere: 0 to rounding in a linear scene.
+  double residual() const { return initial + work - kinetic() + scheme - stored.elastic() - stored.dissipated; }
+};
+
+/// What a run in time adds to its files. All methods are collective.
+class TimeRecorder {
+public:
+  explicit TimeRecorder(RunFiles& files) : files_(files) {}
+  void built(const Standing& scene);
+  void started(const solve::ExplicitDriver& driver, const StepLimits& limits);
+  void after_step(const solve::ExplicitDriver& driver);
+  void finish(const solve::ExplicitDriver& driver);     ///< results of the end
+  void stopped_at(const solve::ExplicitDriver& driver); ///< the solver gave up: what the last sound state holds
+
+private:
+  MotionEnergies energies(const solve::ExplicitDriver& driver) const;
+  void look(const solve::ExplicitDriver& driver);
+  void write_history(const solve::ExplicitDriver& driver, const MotionEnergies& energies);
+  void write_results(const solve::ExplicitDriver& driver);
+  void print_phases(const solve::ExplicitDriver& driver);
+  std::vector<double> held_forces(const solve::ExplicitDriver& driver) const;
+
+  RunFiles& files_;
+  const Discretisation* d_ = nullptr;
+  StepLimits limits_;
+  pd::Broken broken_;             // of all ranks, at the last look
+  double largest_energy_ = 0.0;   // put in so far, at any look [J]
+  double largest_residual_ = 0.0; // [J]
+  double begin_ = 0.0, output_ = 0.0;
+  int first_step_ = 0;
+};
+} // namespace pdx::app

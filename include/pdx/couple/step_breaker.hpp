@@ -1,0 +1,27 @@
+#pragma once
+#include "pdx/couple/fracture.hpp"
+#include "pdx/field/after_step.hpp"
+
+namespace pdx::couple {
+/// Breaks bonds after each time step, between particles and those that leave their patch, at the displacement of the
+/// last force: every overstretched bond at once. A pass of its own, entered only where that force saw one. Nothing
+/// travels: ranks judge shared bonds by the same arithmetic.
+class StepBreaker final : public field::AfterStep {
+public:
+  /// As for Fracture; `options.release` is not asked.
+  StepBreaker(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, const FractureOptions& options);
+
+  void apply(std::span<const double> u) override;
+  void save() override;
+  void restore() override;
+
+  const pd::Broken& mine() const { return now_; } ///< since the start, what this rank counts
+  void resume(const pd::Broken& mine) { now_ = saved_ = mine; }
+
+private:
+  pd::BondTerm<2>& bonds_;
+  CarriedBonds<2>* carried_;
+  std::vector<pd::BreakRule> rules_;
+  pd::Broken now_, saved_;
+};
+} // namespace pdx::couple

@@ -1,0 +1,18 @@
+#pragma once
+#include <span>
+
+namespace pdx::field {
+/// What may change a scene between two time steps (bonds that break). Called after each step, at the displacement the
+/// forces were evaluated at last. Not collective: nothing travels, so that a step in which nothing happens costs
+/// nothing.
+class AfterStep {
+public:
+  virtual ~AfterStep() = default;
+  /// @param u local blocks [owned | halo] [m]
+  virtual void apply(std::span<const double> u) = 0;
+  /// Remembers the state; `restore` goes back to the state remembered last, as often as asked. The state at
+  /// construction counts as remembered.
+  virtual void save() = 0;
+  virtual void restore() = 0;
+};
+} // namespace pdx::field

@@ -1,0 +1,32 @@
+#pragma once
+#include <vector>
+
+namespace pdx::field {
+/// How strongly something acts as time goes: a factor without unit. Pure; times in s.
+class History {
+public:
+  /// 1 from the start.
+  History() = default;
+  /// 0 before `begin`, 1 from then on.
+  static History step(double begin);
+  /// 0 before `begin`, 1 after begin + width, straight in between.
+  static History ramp(double begin, double width);
+  /// exp(-((t - centre) / width)^2).
+  static History gaussian(double centre, double width);
+  /// Straight between points (time, factor) in ascending time; before the first and after the last as there.
+  struct Point {
+    double time, factor;
+  };
+  static History table(std::vector<Point> points);
+
+  double value(double time) const;
+  double rate(double time) const;     ///< its derivative; at a kink the one to come, at a jump 0 [1/s]
+  double integral(double time) const; ///< from 0 to `time` >= 0 [s]
+
+private:
+  enum class Shape { polyline, gaussian };
+  Shape shape_ = Shape::polyline;
+  double centre_ = 0.0, width_ = 1.0; // gaussian
+  std::vector<Point> points_{{0.0, 1.0}};
+};
+} // namespace pdx::field

@@ -1,0 +1,139 @@
+#include "pdx/app/run_files.hpp"
+
+#include "pdx/app/output_blocks.hpp"
+#include "pdx/base/gather.hpp"
+#include "pdx/io/agree.hpp"
+
+#include <fmt/format.h>
+
+namespace pdx::app {
+RunFiles::RunFiles(MPI_Comm comm, const SceneOptions& given, double begin)
+    : options(given), progress(comm, given.output.quiet), comm_(comm), begin_(begin)
+{
+  summary.case_name = options.case_name;
+  io::create_directory(comm, options.output.directory);
+}
+
+void RunFiles::built(const Standing& standing)
+{
+  scene = standing;
+  const Discretisation& d = *scene.d;
+  std::int64_t counts[3] = {2 * static_cast<std::int64_t>(d.nodes.size()),
+                            2 * static_cast<std::int64_t>(d.system.rows.enriched),
+                            2 * static_cast<std::int64_t>(d.particles.size())};
+  MPI_Allreduce(MPI_IN_PLACE, counts, 3, MPI_INT64_T, MPI_SUM, comm_);
+  summary.unknowns.fe = counts[0];
+  summary.unknowns.enriched = counts[1];
+  summary.unknowns.pd = counts[2];
+  summary.unknowns.ghost = d.ghosts;
+  summary.partition.cut = scene.mesh->quality().cut;
+  summary.partition.imbalance = scene.mesh->quality().imbalance;
+  summary.partition.particles_per_rank = gather_all(comm_, std::vector<int>{static_cast<int>(d.particles.size())});
+  progress.line(fmt::format("{}: {} unknowns ({} of elements, {} of particles), partition cut {} imbalance {:.2f}",
+                            options.case_name, counts[0] + counts[1] + counts[2], counts[0] + counts[1], counts[2],
+                            scene.mesh->quality().cut, scene.mesh->quality().imbalance));
+  report_cracks();
+  if (options.output.fields) fields = std::make_unique<io::FieldsFile>(comm_, options.output.directory);
+}
+
+void RunFiles::report_cracks()
+{
+  if (!scene.d->sets) return;
+  const xfem::CutReport& report = scene.d->sets->report();
+  auto& results = summary.results;
+  results["cut_elements"] = report.cells;
+  results["enriched_sets"] = report.sets;
+  results["enriched_sets_dropped"] = report.dropped;
+  if (report.dropped > 0)
+    progress.line(fmt::format("{} nodes of cut elements have no enriched row: less than {:g} of their support lies on "
+                              "one side",
+                              report.dropped, options.cracks.rule.share()));
+  if (options.post.energy_release)
+    for (const crack::Tip& tip : scene.d->cracks.tips())
+      if (tip.direction.cwiseAbs().minCoeff() > 1e-9)
+        warn(fmt::format("-post_energy_release at the slanted tip ({:g}, {:g}): bonds end at lattice sites, so that a "
+                         "step of one spacing is not one of the crack; expect differences of several per cent",
+                         tip.at[0], tip.at[1]));
+  for (const Vector<2>& tip : report.closed)
+    warn(fmt::format("the crack tip at ({:g}, {:g}) ends in elements and closes at the last element edge before it: "
+                     "put a patch there for a true tip",
+                     tip[0], tip[1]));
+}
+
+void RunFiles::started()
+{
+  summary.wall_seconds.setup = MPI_Wtime() - begin_;
+  summary.memory_mb["before_solve"] = io::resident_memory_mb();
+}
+
+void RunFiles::open_history(const std::vector<io::Column>& columns)
+{
+  history =
+      std::make_unique<io::Curve>(comm_, std::filesystem::path(options.output.directory) / "history.csv", columns);
+}
+
+void RunFiles::add_tip_columns(std::vector<io::Column>& columns) const
+{
+  for (std::size_t t = 0; t < scene.d->cracks.tips().size(); ++t) {
+    columns.push_back({fmt::format("tip{}_x", t + 1), "m"});
+    columns.push_back({fmt::format("tip{}_y", t + 1), "m"});
+  }
+}
+
+void RunFiles::add_reaction_columns(std::vector<io::Column>& columns) const
+{
+  for (const HeldPart& part : scene.d->held_parts) {
+    columns.push_back({"reaction_" + part.name + "_x", "N"});
+    columns.push_back({"reaction_" + part.name + "_y", "N"});
+  }
+}
+
+std::vector<double> RunFiles::reactions(std::span<const double> force) const
+{
+  const Discretisation& d = *scene.d;
+  std::vector<double> sums(2 * d.held_parts.size(), 0.0);
+  for (std::size_t p = 0; p < d.held_parts.size(); ++p)
+    for (const Index k : d.held_parts[p].components)
+      if (k / 2 < d.system.rows.nodes || k / 2 >= d.system.rows.first_particle()) // forces of sets are none
+        sums[2 * p + static_cast<std::size_t>(k % 2)] += force[static_cast<std::size_t>(k)];
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  return sums;
+}
+
+post::Energies RunFiles::energies(std::span<const double> local) const
+{
+  const Discretisation& d = *scene.d;
+  post::Energies mine;
+  if (d.elements) mine.elements += d.elements->energy(local);
+  if (d.cut_elements) mine.elements += d.cut_elements->energy(local);
+  if (d.bonds) mine.bonds = d.bonds->energy(local);
+  if (d.carried) mine.interface = d.carried->energy(local);
+  return mine;
+}
+
+void RunFiles::write_fields(double time, Vec u, const std::vector<double>& relative_percent)
+{
+  fields->write(time, output_blocks(*scene.mesh, options, *scene.plan, *scene.d, u, relative_percent));
+}
+
+void RunFiles::fail(const std::string& why)
+{
+  summary.message = why;
+  write_summary("failed");
+}
+
+void RunFiles::warn(const std::string& what) const
+{
+  int rank = 0;
+  MPI_Comm_rank(comm_, &rank);
+  if (rank == 0) fmt::print(stderr, "warning: {}\n", what);
+}
+
+void RunFiles::write_summary(const char* status)
+{
+  summary.status = status;
+  summary.events = io::gather_event_counts(comm_);
+  summary.wall_seconds.total = MPI_Wtime() - begin_;
+  io::write_summary(comm_, std::filesystem::path(options.output.directory) / "summary.json", summary);
+}
+} // namespace pdx::app

@@ -1,0 +1,88 @@
+#include "pdx/app/time_options.hpp"
+
+#include "pdx/base/options.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fstream>
+#include <sstream>
+
+namespace pdx::app {
+namespace {
+/// A time and a factor a line, commas or blanks between; # begins a comment, and a first line of words is a header.
+field::History read_table(const std::string& option, const std::string& name)
+{
+  std::ifstream file(name);
+  if (!file) throw UserError(fmt::format("{} is {}: cannot be read", option, name));
+  std::vector<field::History::Point> points;
+  std::string text;
+  for (int number = 1; std::getline(file, text); ++number) {
+    text.resize(std::min(text.size(), text.find('#')));
+    std::ranges::replace(text, ',', ' ');
+    if (text.find_first_not_of(" \t\r") == std::string::npos) continue;
+    std::istringstream words(text);
+    double time = 0.0, factor = 0.0;
+    std::string more;
+    const bool numbers = static_cast<bool>(words >> time >> factor) && !(words >> more);
+    if (!numbers && points.empty() && number == 1) continue;
+    const std::string where = fmt::format("{} {}, line {}", option, name, number);
+    if (!numbers || !std::isfinite(time) || !std::isfinite(factor))
+      throw UserError(where + ": must be a time in s and a factor");
+    if (!points.empty() && time < points.back().time)
+      throw UserError(fmt::format("{}: time {:g} is before {:g} of the line above", where, time, points.back().time));
+    points.push_back({time, factor});
+  }
+  if (points.empty()) throw UserError(fmt::format("{} is {}: has no line with a time and a factor", option, name));
+  return field::History::table(std::move(points));
+}
+} // namespace
+
+TimeOptions TimeOptions::read()
+{
+  Options o("ts");
+  static constexpr const char* kinds[] = {"static", "explicit", "implicit"};
+  TimeOptions t;
+  t.analysis = static_cast<Analysis>(
+      o.choice("-analysis", 0, kinds, "equilibria under a growing load; explicit or implicit steps in time"));
+  t.safety = o.real("-ts_safety", t.safety, "-", "explicit: share of the stable limit that a step takes without -ts_dt",
+                    {0.0, 1.0, true});
+  t.allow_unstable = o.boolean("-ts_allow_unstable", false, "explicit: let -ts_dt be above the stable limit");
+  return t;
+}
+
+std::optional<field::History> read_history(Options& o, const std::string& stem)
+{
+  enum { constant, step, ramp, gaussian, table };
+  static constexpr const char* shapes[] = {"constant", "step", "ramp", "gaussian", "table"};
+  const std::string name = stem + "_history", at = name + "_time", over = name + "_width", from = name + "_file";
+  const int shape =
+      o.choice(name, 0, shapes, "factor in time: 1; 0 then 1; rising; exp(-((t - time)/width)^2); a file");
+  const double time = o.real(at, 0.0, "s", "when it steps, begins to rise, or peaks");
+  const double width = o.real(over, 0.0, "s", "how long it rises, or the pulse's width", Range::at_least(0.0));
+  const std::string file = o.text(from, "", "table: CSV of time [s] and factor, straight in between");
+  const auto refuse = [&](bool needed, const std::string& option) {
+    if (o.given(option) && !needed)
+      throw UserError(fmt::format("{} has no meaning for {} {}", option, name, shapes[shape]));
+  };
+  refuse(shape == step || shape == ramp || shape == gaussian, at);
+  refuse(shape == ramp || shape == gaussian, over);
+  refuse(shape == table, from);
+  if ((shape == ramp || shape == gaussian) && width <= 0.0)
+    throw UserError(fmt::format("{} {} needs a duration: give {} in s", name, shapes[shape], over));
+  if (shape == table && file.empty()) throw UserError(fmt::format("{} table needs a file: give {}", name, from));
+  if (!o.given(name)) return std::nullopt;
+  switch (shape) {
+  case step:
+    return field::History::step(time);
+  case ramp:
+    return field::History::ramp(time, width);
+  case gaussian:
+    return field::History::gaussian(time, width);
+  case table:
+    return read_table(from, file);
+  default:
+    return field::History();
+  }
+}
+} // namespace pdx::app

@@ -1,0 +1,179 @@
+#include "pdx/app/time_recorder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace pdx::app {
+void TimeRecorder::built(const Standing& scene)
+{
+  files_.built(scene);
+  d_ = scene.d;
+  if (!files_.options.output.history) return;
+  std::vector<io::Column> columns{{"step", "-"},
+                                  {"time", "s"},
+                                  {"energy_kinetic_elements", "J"},
+                                  {"energy_kinetic_particles", "J"},
+                                  {"energy_elements", "J"},
+                                  {"energy_bonds", "J"},
+                                  {"energy_interface", "J"},
+                                  {"energy_scheme", "J"},
+                                  {"work", "J"},
+                                  {"energy_residual", "J"}};
+  if (d_->breaker) columns.insert(columns.end(), {{"energy_fracture", "J"}, {"bonds_broken", "-"}});
+  files_.add_reaction_columns(columns);
+  files_.open_history(columns);
+}
+
+void TimeRecorder::started(const solve::ExplicitDriver& driver, const StepLimits& limits)
+{
+  limits_ = limits;
+  first_step_ = driver.step();
+  files_.started();
+  files_.progress.line(fmt::format(
+      "{} steps of {:.4g} s; stable limit {:.4g} s{}", driver.expected_steps(), driver.step_length(), limits.rigorous,
+      limits.papers > 0.0 ? fmt::format(", the papers' Eq. 26 {:.4g} s", limits.papers) : ""));
+  begin_ = MPI_Wtime();
+}
+
+MotionEnergies TimeRecorder::energies(const solve::ExplicitDriver& driver) const
+{
+  MotionEnergies e;
+  const solve::KineticEnergy kinetic = driver.kinetic_energy();
+  e.scheme = kinetic.scheme;
+  e.stored = files_.energies(driver.local());
+  e.initial = driver.clock().initial;
+  const pd::Broken broken = d_->breaker ? d_->breaker->mine() : pd::Broken{};
+  double particles = 0.0;
+  for (Index row = d_->system.rows.first_particle(); row < d_->system.rows.owned(); ++row)
+    for (std::size_t a = 0; a < 2; ++a)
+      particles += 0.5 * driver.mass()[static_cast<std::size_t>(row)] *
+                   std::pow(driver.v()[2 * static_cast<std::size_t>(row) + a], 2);
+  double sums[] = {e.stored.elements, e.stored.bonds, e.stored.interface, broken.energy, driver.work(), particles};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 6, MPI_DOUBLE, MPI_SUM, files_.comm());
+  e.stored = {sums[0], sums[1], sums[2], sums[3]};
+  e.work = sums[4];
+  e.kinetic_particles = sums[5];
+  e.kinetic_elements = kinetic.moving - sums[5];
+  return e;
+}
+
+/// Internal force on what is held, one value per owned component.
+std::vector<double> TimeRecorder::held_forces(const solve::ExplicitDriver& driver) const
+{
+  std::vector<double> force(driver.u().size(), 0.0);
+  for (std::size_t k = 0; k < driver.held_components().size(); ++k)
+    force[static_cast<std::size_t>(driver.held_components()[k])] = driver.held_force()[k];
+  return force;
+}
+
+void TimeRecorder::look(const solve::ExplicitDriver& driver)
+{
+  const MotionEnergies e = energies(driver);
+  if (d_->breaker) {
+    broken_ = d_->breaker->mine();
+    MPI_Allreduce(MPI_IN_PLACE, &broken_.bonds, 1, MPI_INT64_T, MPI_SUM, files_.comm());
+    broken_.energy = e.stored.dissipated;
+    files_.summary.bonds_broken = broken_.bonds;
+  }
+  largest_energy_ = std::max(largest_energy_, e.initial + e.work);
+  largest_residual_ = std::max(largest_residual_, std::abs(e.residual()));
+  if (files_.history) write_history(driver, e);
+}
+
+void TimeRecorder::write_history(const solve::ExplicitDriver& driver, const MotionEnergies& e)
+{
+  std::vector<double> row{static_cast<double>(driver.step()),
+                          driver.time(),
+                          e.kinetic_elements,
+                          e.kinetic_particles,
+                          e.stored.elements,
+                          e.stored.bonds,
+                          e.stored.interface,
+                          e.scheme,
+                          e.work,
+                          e.residual()};
+  if (d_->breaker) row.insert(row.end(), {e.stored.dissipated, static_cast<double>(broken_.bonds)});
+  const std::vector<double> reactions = files_.reactions(held_forces(driver));
+  row.insert(row.end(), reactions.begin(), reactions.end());
+  files_.history->row(row);
+}
+
+void TimeRecorder::after_step(const solve::ExplicitDriver& driver)
+{
+  const OutputOptions& output = files_.options.output;
+  const int step = driver.step(), last = driver.expected_steps();
+  files_.summary.steps = step;
+  const bool looks = (output.history || d_->breaker) && step % output.history_interval == 0;
+  const bool pictures = files_.fields && step % output.interval == 0;
+  if (step >= last) return; // `finish` does it
+  if (looks || pictures) {
+    const double begin = MPI_Wtime();
+    if (looks) look(driver);
+    if (pictures) files_.write_fields(driver.time(), driver.displacement());
+    output_ += MPI_Wtime() - begin;
+  }
+  std::string text = fmt::format("time {:.4g} s", driver.time());
+  if (d_->breaker) text += fmt::format(", {} bonds broken", broken_.bonds);
+  files_.progress.step(step, last, text);
+}
+
+void TimeRecorder::write_results(const solve::ExplicitDriver& driver)
+{
+  const MotionEnergies e = energies(driver);
+  auto& results = files_.summary.results;
+  results["time"] = driver.time();
+  results["step_length"] = driver.step_length();
+  results["stable_step"] = limits_.rigorous;
+  if (limits_.papers > 0.0) results["stable_step_papers"] = limits_.papers;
+  results["kinetic_energy"] = e.kinetic();
+  results["strain_energy"] = e.stored.elastic();
+  results["strain_energy_elements"] = e.stored.elements;
+  results["strain_energy_bonds"] = e.stored.bonds;
+  results["strain_energy_interface"] = e.stored.interface;
+  results["external_work"] = e.work;
+  results["initial_energy"] = e.initial;
+  if (d_->breaker) {
+    results["fracture_energy"] = e.stored.dissipated;
+    results["critical_stretch"] = d_->critical_stretch;
+  }
+  if (largest_energy_ > 0.0) {
+    results["energy_drift_ratio"] = largest_residual_ / largest_energy_;
+    if (d_->bonds)
+      results["pd_energy_ratio_final"] = (e.kinetic_particles + e.stored.bonds + e.stored.interface) / largest_energy_;
+  }
+}
+
+void TimeRecorder::finish(const solve::ExplicitDriver& driver)
+{
+  const double end = MPI_Wtime();
+  look(driver);
+  if (files_.fields) files_.write_fields(driver.time(), driver.displacement());
+  write_results(driver);
+  output_ += MPI_Wtime() - end;
+  files_.summary.wall_seconds.solve = MPI_Wtime() - begin_ - output_;
+  files_.summary.wall_seconds.output = output_;
+  files_.summary.steps = driver.step();
+  files_.write_summary("done");
+  print_phases(driver);
+}
+
+void TimeRecorder::stopped_at(const solve::ExplicitDriver& driver)
+{
+  files_.summary.steps = driver.step();
+  files_.summary.wall_seconds.solve = MPI_Wtime() - begin_ - output_;
+  if (files_.fields) files_.write_fields(driver.time(), driver.displacement());
+  write_results(driver);
+}
+
+void TimeRecorder::print_phases(const solve::ExplicitDriver& driver)
+{
+  const auto& seconds = files_.summary.wall_seconds;
+  const double rows = 0.5 * static_cast<double>(files_.summary.unknowns.total());
+  const std::vector<io::Phase> phases{
+      {"set-up", seconds.setup, ""},
+      {"steps", seconds.solve, fmt::format("{:.3g} row-steps/s", rows * (driver.step() - first_step_) / seconds.solve)},
+      {"output", seconds.output, ""}};
+  files_.progress.phases(phases);
+}
+} // namespace pdx::app

@@ -1,0 +1,122 @@
+#include "pdx/solve/central_difference.hpp"
+
+#include <petsc/private/tsimpl.h>
+
+namespace pdx::solve {
+namespace {
+struct CentralDifference {
+  VecHandle acceleration;
+  Motion motion;
+  StepOrigin origin;
+  bool fresh = false; ///< `acceleration` is that of the present state
+};
+CentralDifference& data_of(TS ts) { return *static_cast<CentralDifference*>(ts->data); }
+
+/// v += dt/2 a and, in the first half of a step, u += dt v.
+template <bool drift> void kick(double dt, const double* a, double* v, double* u, PetscInt size)
+{
+  for (PetscInt i = 0; i < size; ++i) {
+    v[i] += 0.5 * dt * a[i];
+    if constexpr (drift) u[i] += dt * v[i];
+  }
+}
+
+template <bool drift> void advance(TS ts, double dt, double end)
+{
+  CentralDifference& own = data_of(ts);
+  PetscInt size = 0;
+  const double* a = nullptr;
+  double *u = nullptr, *v = nullptr;
+  PDX_CALL(VecGetLocalSize(ts->vec_sol, &size));
+  PDX_CALL(VecGetArrayRead(own.acceleration.get(), &a));
+  PDX_CALL(VecGetArray(ts->vec_dot, &v));
+  if constexpr (drift) PDX_CALL(VecGetArray(ts->vec_sol, &u));
+  kick<drift>(dt, a, v, u, size);
+  if (drift && own.motion.displacement) own.motion.displacement(end, u);
+  if (!drift && own.motion.velocity) own.motion.velocity(end, v);
+  if constexpr (drift) PDX_CALL(VecRestoreArray(ts->vec_sol, &u));
+  PDX_CALL(VecRestoreArray(ts->vec_dot, &v));
+  PDX_CALL(VecRestoreArrayRead(own.acceleration.get(), &a));
+}
+
+PetscErrorCode step(TS ts)
+{
+  return guard([&] {
+    CentralDifference& own = data_of(ts);
+    const double dt = ts->time_step;
+    if (!own.fresh) {
+      PDX_CALL(TSComputeRHSFunction(ts, ts->ptime, ts->vec_sol, own.acceleration.get()));
+      own.fresh = true;
+    }
+    if (dt != own.origin.length) own.origin = {ts->ptime, ts->steps, dt};
+    const double end = own.origin.time + (ts->steps - own.origin.step + 1) * dt;
+    PDX_CALL(TSPreStage(ts, ts->ptime));
+    advance<true>(ts, dt, end);
+    PDX_CALL(TSComputeRHSFunction(ts, end, ts->vec_sol, own.acceleration.get()));
+    advance<false>(ts, dt, end);
+    PDX_CALL(TSPostStage(ts, end, 0, &ts->vec_sol));
+    PetscReal next = dt;
+    PetscBool accept = PETSC_TRUE;
+    PDX_CALL(TSAdaptChoose(ts->adapt, ts, dt, nullptr, &next, &accept));
+    ts->ptime = end;
+    ts->time_step = next;
+  });
+}
+
+PetscErrorCode set_up(TS ts)
+{
+  return guard([&] {
+    if (!ts->vec_dot) throw std::logic_error("central_difference needs a velocity: TS2SetSolution");
+    CentralDifference& own = data_of(ts);
+    PDX_CALL(VecDuplicate(ts->vec_sol, own.acceleration.out()));
+    PDX_CALL(VecSet(own.acceleration.get(), 0.0));
+    own.fresh = false;
+    PDX_CALL(TSGetAdapt(ts, &ts->adapt));
+    PDX_CALL(TSAdaptCandidatesClear(ts->adapt));
+  });
+}
+
+PetscErrorCode reset(TS ts)
+{
+  data_of(ts).acceleration.reset();
+  data_of(ts).fresh = false;
+  return 0;
+}
+
+PetscErrorCode destroy(TS ts)
+{
+  delete static_cast<CentralDifference*>(ts->data);
+  ts->data = nullptr;
+  return 0;
+}
+
+PetscErrorCode create(TS ts)
+{
+  return guard([&] {
+    ts->data = new CentralDifference;
+    ts->ops->setup = set_up;
+    ts->ops->step = step;
+    ts->ops->reset = reset;
+    ts->ops->destroy = destroy;
+    ts->default_adapt_type = TSADAPTNONE;
+    ts->usessnes = PETSC_FALSE;
+  });
+}
+} // namespace
+
+void register_central_difference() { PDX_CALL(TSRegister(kCentralDifference, create)); }
+
+void set_motion(TS ts, Motion motion) { data_of(ts).motion = std::move(motion); }
+
+StepOrigin step_origin(TS ts) { return data_of(ts).origin; }
+
+void resume_steps(TS ts, const StepOrigin& origin, Vec acceleration)
+{
+  CentralDifference& own = data_of(ts);
+  own.origin = origin;
+  PDX_CALL(VecCopy(acceleration, own.acceleration.get()));
+  own.fresh = true;
+}
+
+Vec acceleration(TS ts) { return data_of(ts).acceleration.get(); }
+} // namespace pdx::solve
