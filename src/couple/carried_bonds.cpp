@@ -178,6 +178,29 @@ template <int Dim> void CarriedBonds<Dim>::add_jacobian(field::BlockAdder& adder
   });
 }
 
+template <int Dim> void CarriedBonds<Dim>::add_stiffness_bound(std::span<double> blocks) const
+{
+  if (!symmetric_) throw std::logic_error("carried bonds: no bound on the stiffness, the tangent is not symmetric");
+  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+    if (gone_[number]) continue;
+    const CarriedBond<Dim>& bond = bonds_[number];
+    const double length = bond.xi.norm();
+    const auto rest = law::linear_state<Dim>(bond.xi, length, Vector<Dim>::Zero());
+    const Tensor<Dim> stiffness = law::bond_stiffness<Dim>(bond.kappa, length, rest);
+    for (const Index point : {bond.a, bond.b}) {
+      const std::span<const double> weights = points_.tied_weights(point);
+      double sum = 0.0;
+      for (const double c : weights) sum += std::abs(c);
+      for (std::size_t k = 0; k < weights.size(); ++k) {
+        const Index row = points_.rows(point)[k];
+        if (row >= rows_.owned()) continue;
+        double* block = blocks.data() + static_cast<std::size_t>(row) * Dim * Dim;
+        Eigen::Map<Tensor<Dim>>{block} += 2.0 * sum * std::abs(weights[k]) * stiffness; // symmetric: in either order
+      }
+    }
+  }
+}
+
 template <int Dim>
 template <class Visit>
 void CarriedBonds<Dim>::for_each_overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules,

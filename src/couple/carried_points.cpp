@@ -6,6 +6,7 @@ template <int Dim> Index CarriedPoints<Dim>::add(const Host& host)
   for (std::size_t k = 0; k < static_cast<std::size_t>(host.count); ++k) {
     rows_.push_back(host.rows[k]);
     weights_.push_back(host.weights[k]);
+    tied_.push_back(host.tied[k]);
   }
   offsets_.push_back(rows_.size());
   return size() - 1;
@@ -21,6 +22,12 @@ template <int Dim> std::span<const double> CarriedPoints<Dim>::weights(Index poi
 {
   const auto p = static_cast<std::size_t>(point);
   return {weights_.data() + offsets_[p], offsets_[p + 1] - offsets_[p]};
+}
+
+template <int Dim> std::span<const double> CarriedPoints<Dim>::tied_weights(Index point) const
+{
+  const auto p = static_cast<std::size_t>(point);
+  return {tied_.data() + offsets_[p], offsets_[p + 1] - offsets_[p]};
 }
 
 template <int Dim> void CarriedPoints<Dim>::bind(const field::RowHalo& halo)

@@ -44,6 +44,17 @@ bool Host::add(PetscInt row, double weight)
   if (k == rows.size()) return false;
   if (k == static_cast<std::size_t>(count)) rows[static_cast<std::size_t>(count++)] = row;
   weights[k] += weight;
+  tied[k] += weight;
+  return true;
+}
+
+bool Host::cross(PetscInt node, PetscInt set, double weight, double factor)
+{
+  if (!add(set, 0.0)) return false;
+  const auto at = [&](PetscInt row) { return static_cast<std::size_t>(std::ranges::find(rows, row) - rows.begin()); };
+  weights[at(set)] += weight * factor;
+  tied[at(set)] += weight;
+  tied[at(node)] -= weight;
   return true;
 }
 
@@ -65,7 +76,7 @@ struct Surroundings::Trace {
     host.sided = host.sided || !edge.snapped;
     if (edge.sets[end] < 0) return true;
     const double factor = xfem::shifted_step(side, edge.node_side[end]);
-    return factor == 0.0 || host.add(edge.sets[end], weight * factor);
+    return factor == 0.0 || host.cross(edge.rows[end], edge.sets[end], weight, factor);
   }
 
   const Edge* edge_at(double s) const
@@ -219,9 +230,10 @@ Host Surroundings::host_in_cell(const Scene& scene, Index cell, const Vector<2>&
   Host host;
   host.across = cut && scene.sets->side_in(*cut, x) != xfem::side_of(scene.sets->cracks().side(cut->crack, x));
   for (std::size_t a = 0; a < 4; ++a) {
-    (void)host.add(scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cell)[a])], weights[a]);
+    const PetscInt node = scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cell)[a])];
+    (void)host.add(node, weights[a]);
     const double factor = cut ? xfem::set_factor(*cut, a, scene.sets->side_in(*cut, x)) : 0.0;
-    if (factor != 0.0) (void)host.add(cut->sets[a], factor * weights[a]);
+    if (factor != 0.0) (void)host.cross(node, cut->sets[a], weights[a], factor);
   }
   return host;
 }

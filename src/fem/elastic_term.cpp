@@ -3,12 +3,22 @@
 #include "pdx/base/events.hpp"
 #include "pdx/fem/element_action.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace pdx::fem {
 namespace {
 /// With more shapes the matrices of the elements no longer stay in cache, and a sparse matrix is as good.
 constexpr std::size_t kMostShapes = 16;
+
+/// Largest eigenvalue of the stiffness over the lumped mass of unit density and thickness [N/m^3].
+double largest_ratio(const ElementMatrix& stiffness, const Eigen::Vector4d& areas)
+{
+  ElementVector scale;
+  for (int a = 0; a < 4; ++a) scale.segment<2>(2 * a).setConstant(1.0 / std::sqrt(areas[a]));
+  const Eigen::Matrix<double, 8, 8> scaled = scale.asDiagonal() * stiffness * scale.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 8, 8>>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[7];
+}
 } // namespace
 
 ElasticTerm::ElasticTerm(const mesh::Mesh& mesh, const law::Elastic& law, Kinematics kinematics,
@@ -164,6 +174,38 @@ void ElasticTerm::add_free_diagonal(field::BlockAdder& adder) const
   for (Index row = 0; row < owned_rows_; ++row)
     if (touched[static_cast<std::size_t>(row)])
       adder.add({&row, 1}, {&row, 1}, {blocks[static_cast<std::size_t>(row)].data(), 4});
+}
+
+void ElasticTerm::add_mass(std::span<double> mass) const
+{
+  const double per_area = body_.law.density * body_.law.thickness;
+  for (const Index c : cells_) {
+    const CellRows rows = rows_of(c);
+    const Eigen::Vector4d areas = corner_areas(body_.mesh.corners(c));
+    for (std::size_t a = 0; a < 4; ++a)
+      if (rows[a] < owned_rows_) mass[static_cast<std::size_t>(rows[a])] += per_area * areas[static_cast<Index>(a)];
+  }
+}
+
+void ElasticTerm::add_stiffness_bound(std::span<double> blocks) const
+{
+  ReusedStiffness reused(body_.law);
+  int integrations = 0;
+  Eigen::Vector4d bound; // of the shape at hand, per corner [N/m]
+  for (const Index c : cells_) {
+    const Corners corners = body_.mesh.corners(c);
+    const ElementMatrix& stiffness = reused.of(corners);
+    if (reused.integrations() > integrations) {
+      const Eigen::Vector4d areas = corner_areas(corners);
+      bound = largest_ratio(stiffness, areas) * areas;
+      integrations = reused.integrations();
+    }
+    const CellRows rows = rows_of(c);
+    for (std::size_t a = 0; a < 4; ++a)
+      if (rows[a] < owned_rows_)
+        for (const std::size_t diagonal : {0, 3})
+          blocks[4 * static_cast<std::size_t>(rows[a]) + diagonal] += bound[static_cast<Index>(a)];
+  }
 }
 
 void ElasticTerm::add_tangent_action(std::span<const double> x, std::span<double> y) const

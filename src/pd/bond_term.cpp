@@ -145,6 +145,21 @@ template <int Dim> void BondTerm<Dim>::add_tangent_action(std::span<const double
   }
 }
 
+template <int Dim> void BondTerm<Dim>::add_mass(std::span<double> mass) const
+{
+  for (const auto& part : parts_)
+    for (std::size_t k = 0; k < part->sites().size(); ++k)
+      mass[static_cast<std::size_t>(part->first_row()) + k] += part->stencil().volume() * part->stencil().density;
+}
+
+template <int Dim> void BondTerm<Dim>::add_stiffness_bound(std::span<double> blocks) const
+{
+  std::vector<double> diagonal(blocks.size(), 0.0);
+  for (std::size_t p = 0; p < parts_.size(); ++p)
+    diagonal_blocks<Dim>(parts_[p]->view(scratch_[p]), parts_[p]->force_runs(), diagonal.data());
+  for (std::size_t k = 0; k < blocks.size(); ++k) blocks[k] += 2.0 * diagonal[k];
+}
+
 template <int Dim> void BondTerm<Dim>::weak_rows(std::vector<Index>& rows) const
 {
   for (const auto& part : parts_) part->weak_rows(rows);

@@ -148,6 +148,7 @@ template <int Dim> Stencil<Dim> make_stencil(const StencilOptions& options)
   stencil.dx = options.dx;
   stencil.thickness = Dim == 2 ? options.thickness : 1.0;
   stencil.horizon = options.horizon;
+  stencil.density = options.elastic.density;
   collect_arms(bond, options, stencil);
   if (options.calibration == Calibration::lattice) calibrate(bond.elastic(), stencil);
   return stencil;
@@ -175,6 +176,13 @@ template <int Dim> LatticeModuli lattice_moduli(const Stencil<Dim>& stencil)
   return m;
 }
 
+template <int Dim> double papers_step(const Stencil<Dim>& stencil)
+{
+  double sum = 0.0; // c V / xi over half a family [N/m^4]
+  for (const Arm<Dim>& arm : stencil.half) sum += arm.kappa / (arm.length * stencil.volume());
+  return std::sqrt(stencil.density / sum);
+}
+
 template <int Dim> double lattice_toughness(const Stencil<Dim>& stencil, double critical_stretch)
 {
   double energy = 0.0; // of the bonds across one site's share of the cut [J]
@@ -191,6 +199,8 @@ template void require_bond_words<2>(const Stencil<2>&);
 template void require_bond_words<3>(const Stencil<3>&);
 template LatticeModuli lattice_moduli<2>(const Stencil<2>&);
 template LatticeModuli lattice_moduli<3>(const Stencil<3>&);
+template double papers_step<2>(const Stencil<2>&);
+template double papers_step<3>(const Stencil<3>&);
 template double lattice_toughness<2>(const Stencil<2>&, double);
 template double lattice_toughness<3>(const Stencil<3>&, double);
 } // namespace pdx::pd

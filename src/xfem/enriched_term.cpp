@@ -2,6 +2,8 @@
 
 #include "pdx/base/events.hpp"
 
+#include <Eigen/Eigenvalues>
+
 namespace pdx::xfem {
 namespace {
 EnrichedVector gathered(std::span<const Index> rows, std::span<const double> u)
@@ -12,6 +14,12 @@ EnrichedVector gathered(std::span<const Index> rows, std::span<const double> u)
     d.segment<2>(static_cast<Index>(2 * k)) << u[at], u[at + 1];
   }
   return d;
+}
+
+double largest_eigenvalue(const fem::ElementMatrix& stiffness)
+{
+  const Eigen::Matrix<double, 8, 8> k = stiffness;
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 8, 8>>(k, Eigen::EigenvaluesOnly).eigenvalues()[7];
 }
 } // namespace
 
@@ -33,6 +41,9 @@ EnrichedTerm::EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, fem:
       part.stiffness = enriched_tangent(cut.element, part.state, law_, kinematics_);
     parts_.push_back(std::move(part));
   }
+  for (Index v = 0; v < mesh.owned_vertices(); ++v)
+    for (const EnrichedSet& set : sets.of(v))
+      ties_.push_back({node_rows[static_cast<std::size_t>(v)], set.row, shifted_step(opposite(set.side), set.side)});
 }
 
 void EnrichedTerm::needed_rows(std::vector<PetscInt>& rows) const
@@ -43,6 +54,7 @@ void EnrichedTerm::needed_rows(std::vector<PetscInt>& rows) const
 void EnrichedTerm::bind(const field::RowHalo& halo)
 {
   owned_rows_ = halo.rows().owned();
+  first_row_ = halo.rows().first;
   for (Part& part : parts_) {
     part.rows.clear();
     for (const PetscInt row : part.global_rows) part.rows.push_back(halo.local(row));
@@ -81,6 +93,51 @@ void EnrichedTerm::linearise(std::span<const double> u)
 {
   if (constant_jacobian()) return;
   for (Part& part : parts_) part.state = gathered(part.rows, u);
+}
+
+template <class Visit> void EnrichedTerm::for_each_side(Visit&& visit) const
+{
+  for (const Part& part : parts_)
+    for (const Side side : kSides) {
+      const std::span<const PartPoint> points = part.element->cell.points(side);
+      if (points.empty()) continue;
+      std::array<Index, 4> rows;
+      std::size_t set = 4;
+      for (std::size_t a = 0; a < 4; ++a) {
+        const bool far = part.element->enriched[a] && side != part.element->side[a];
+        rows[a] = part.rows[far ? set : a];
+        set += part.element->enriched[a];
+      }
+      visit(points, rows);
+    }
+}
+
+void EnrichedTerm::add_mass(std::span<double> mass) const
+{
+  for_each_side([&](std::span<const PartPoint> points, const std::array<Index, 4>& rows) {
+    double area = 0.0;
+    for (const PartPoint& at : points) area += at.area;
+    for (const Index row : rows)
+      if (row < owned_rows_) mass[static_cast<std::size_t>(row)] += 0.25 * law_.density * law_.thickness * area;
+  });
+}
+
+/// With equal masses at all corner values, the largest eigenvalue of the stiffness itself is the sharp bound.
+void EnrichedTerm::add_stiffness_bound(std::span<double> blocks) const
+{
+  for_each_side([&](std::span<const PartPoint> points, const std::array<Index, 4>& rows) {
+    const double bound =
+        largest_eigenvalue(part_tangent(points, fem::ElementVector::Zero(), law_, fem::Kinematics::small));
+    for (const Index row : rows)
+      if (row < owned_rows_)
+        for (const std::size_t diagonal : {0, 3}) blocks[4 * static_cast<std::size_t>(row) + diagonal] += bound;
+  });
+}
+
+void EnrichedTerm::ties(std::vector<field::Tie>& ties) const
+{
+  for (const GlobalTie& tie : ties_)
+    ties.push_back({static_cast<Index>(tie.row - first_row_), static_cast<Index>(tie.set - first_row_), tie.factor});
 }
 
 void EnrichedTerm::couplings(field::Couplings& couplings, bool) const

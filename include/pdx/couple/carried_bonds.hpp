@@ -35,6 +35,10 @@ public:
   void add_jacobian(field::BlockAdder& adder, bool whole) const override;
   bool constant_jacobian() const override { return kinematics_ == pd::Kinematics::linear; }
   bool symmetric() const override { return symmetric_; }
+  /// Of intact bonds, with d = sum_k c_k y_k at their ends a and b: (n.(d_a - d_b))^2 <= 2 (n.d_a)^2 + 2 (n.d_b)^2 and
+  /// (n.d)^2 <= (sum_k |c_k|) sum_k |c_k| (n.y_k)^2. Throws std::logic_error if the tangent is not symmetric: there is
+  /// no such bound.
+  void add_stiffness_bound(std::span<double> blocks) const override;
 
   /// Adds half of each whole bond's energy to the density of the particle at its first end [J/m^3], one entry per row.
   void add_energy_density(std::span<const double> u, std::span<double> density) const;

@@ -13,6 +13,7 @@ public:
   Index size() const { return static_cast<Index>(offsets_.size()) - 1; }
   std::span<const Index> rows(Index point) const;
   std::span<const double> weights(Index point) const;
+  std::span<const double> tied_weights(Index point) const; ///< `Host::tied`
   /// Global rows of all points.
   const std::vector<Index>& all_rows() const { return rows_; }
   void bind(const field::RowHalo& halo); ///< global rows become local ones
@@ -24,6 +25,6 @@ public:
 private:
   std::vector<std::size_t> offsets_{0};
   std::vector<Index> rows_;
-  std::vector<double> weights_;
+  std::vector<double> weights_, tied_;
 };
 } // namespace pdx::couple

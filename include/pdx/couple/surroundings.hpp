@@ -22,8 +22,13 @@ struct Host {
   bool sided = false;  ///< a crack enters there: moves with the side from which it is seen
   bool across = false; ///< moves, snapped, with the other side of a crack than it is on: bonds to it are cut
 
+  /// Weights of the same rows where those of enriched sets hold the far half's w instead (`field::Tie`); sum to 1.
+  std::array<double, 8> tied{};
+
   static Host of_row(PetscInt row);      ///< a row itself
   bool add(PetscInt row, double weight); ///< false if there is no room for another row
+  /// Takes `weight` of a node that was added over to the other side of the crack: displacement + weight factor set.
+  bool cross(PetscInt node, PetscInt set, double weight, double factor);
 };
 
 /// What lies around one patch, the same on every rank: the mesh edges of its interface and the lattice sites outside

@@ -96,6 +96,15 @@ inline double element_energy(const Corners& corners, const ElementVector& displa
   return energy;
 }
 
+/// Areas int N_a dA of the corners, the row sums of int N_a N_b dA [m^2]; exact, equal quarters for parallelograms.
+inline Eigen::Vector4d corner_areas(const Corners& corners)
+{
+  const Gradients points = gauss_points();
+  Eigen::Vector4d areas = Eigen::Vector4d::Zero();
+  for (int g = 0; g < 4; ++g) areas += map_point(corners, points.col(g)).jacobian * shape(points.col(g));
+  return areas;
+}
+
 /// Cauchy stress (xx, yy, xy) [Pa] at a point: C e if small, F S F^T / det F if finite. In plane stress det F holds
 /// the stretch through the thickness, which the in-plane strain fixes: 1 + 2 E_zz = 1 - 2 nu / (1 - nu) (E_xx + E_yy).
 inline Eigen::Vector3d cauchy_stress(const PointStrain& p, const law::Elastic& law, Kinematics kinematics)

@@ -21,6 +21,9 @@ public:
   void add_jacobian(field::BlockAdder& adder, bool whole) const override;
   void add_tangent_action(std::span<const double> x, std::span<double> y) const override;
   bool constant_jacobian() const override { return body_.kinematics == Kinematics::small; }
+  void add_mass(std::span<double> mass) const override;
+  /// Each element by the largest eigenvalue of its stiffness over its lumped mass, which is sharp on a uniform mesh.
+  void add_stiffness_bound(std::span<double> blocks) const override;
 
 private:
   using CellRows = std::array<Index, 4>;

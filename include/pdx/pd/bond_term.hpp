@@ -21,6 +21,9 @@ public:
   void add_tangent_action(std::span<const double> x, std::span<double> y) const override;
   void weak_rows(std::vector<Index>& rows) const override;
   bool constant_jacobian() const override { return kinematics_ == Kinematics::linear; }
+  void add_mass(std::span<double> mass) const override;
+  /// D_i = 2 sum_j w K_ij of the intact bonds: (n.(u_i - u_j))^2 <= 2 (n.u_i)^2 + 2 (n.u_j)^2.
+  void add_stiffness_bound(std::span<double> blocks) const override;
 
   /// Takes out the bonds that a crack parts, the precrack, and returns how many of them this rank counts.
   std::int64_t cut(const crack::CrackSet& cracks);

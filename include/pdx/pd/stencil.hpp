@@ -40,6 +40,7 @@ template <int Dim> struct Stencil {
   double dx = 0.0;            ///< [m]
   double thickness = 0.0;     ///< [m]; 1 in 3-D
   double horizon = 0.0;       ///< delta                                                 [m]
+  double density = 0.0;       ///< rho; 0: statics only                               [kg/m^3]
 
   /// Volume of one particle, dx^2 thickness or dx^3.                                    [m^3]
   double volume() const;
@@ -64,6 +65,10 @@ struct LatticeModuli {
   double c11 = 0.0, c12 = 0.0, c66 = 0.0;
 };
 template <int Dim> LatticeModuli lattice_moduli(const Stencil<Dim>& stencil);
+
+/// The papers' critical step, sqrt(2 rho / sum c V / xi) over a full family, with the calibrated bonds [XPD1 Eq. 26].
+/// In 2-D the bound of `BondTerm` is sqrt(2) times that, and the lattice's own limit is higher still.       [s]
+template <int Dim> double papers_step(const Stencil<Dim>& stencil);
 
 /// Energy to cut the lattice between two rows, all bonds stretched to s0: per area, sum over bonds upwards of
 /// step_y 1/2 kappa s0^2 xi / (dx t).                                                  [J/m^2]

@@ -24,8 +24,8 @@ struct Ring {
     couple::CarriedPoints<2> points;
     std::vector<CarriedBond<2>> list;
     if (rank == 0 || rank == ranks - 1) {
-      const Index a = points.add({{0, -1, -1, -1}, {1.0, 0.0, 0.0, 0.0}, 1});
-      const Index b = points.add({{last, -1, -1, -1}, {1.0, 0.0, 0.0, 0.0}, 1});
+      const Index a = points.add(couple::Host::of_row(0));
+      const Index b = points.add(couple::Host::of_row(last));
       CarriedBond<2> first{a, b, a, b, {2.0, 0.0}, 3.0, 0.0, 0.25}, second{a, b, a, b, {2.0, 0.0}, 5.0, 0.0, 0.5};
       change(first, second);
       list = {first, second};

@@ -1,0 +1,23 @@
+#pragma once
+#include "pdx/field/system.hpp"
+
+#include <array>
+
+namespace pdx::solve {
+/// How long an explicit step may be at rest, and the row that says so.
+struct StableStep {
+  double limit = 0.0;            ///< 2 / omega for an omega that no frequency is above; infinite if nothing moves [s]
+  PetscInt row = -1;             ///< global, -1 if nothing moves
+  std::array<double, 3> place{}; ///< of that row, unused components 0 [m]
+};
+
+/// The lumped mass of the owned rows, all Terms [kg].
+std::vector<double> lumped_mass(const field::System& system);
+/// The ties of owned rows, all Terms.
+std::vector<field::Tie> ties_of(const field::System& system);
+
+/// From `Term::add_mass` and `add_stiffness_bound` of all Terms: min over rows of 2 sqrt(m_i / lambda_max(D_i)), over
+/// free components; the same on any number of ranks. Of rows that decide alike, the lowest place counts.
+/// Throws SolverFailure naming the place if a row that can move has stiffness but no mass. Collective.
+StableStep stable_step(const field::System& system);
+} // namespace pdx::solve
