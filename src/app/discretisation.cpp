@@ -197,7 +197,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   system.bind(d.node_field->needed_rows());
   d.node_field->bind(*system.halo);
   if (d.bonds) add_fracture(options, plan, d);
-  if (assembled || !d.bonds) return result;
+  if (assembled || !d.bonds || options.time.dynamic()) return result;
 
   couple::FineRows fine{d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
   fine.breakable = d.fracture || !d.cracks.empty();

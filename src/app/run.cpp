@@ -4,6 +4,7 @@
 #include "pdx/app/discretisation.hpp"
 #include "pdx/app/output_blocks.hpp"
 #include "pdx/app/recorder.hpp"
+#include "pdx/app/run_in_time.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/post/error_norm.hpp"
@@ -87,12 +88,42 @@ void refuse_reference_options(const SceneOptions& options)
 }
 } // namespace
 
+namespace {
+void run_static(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::vector<pd::Particle> particles,
+                Prior prior)
+{
+  const SceneOptions& options = files.options;
+  const bool assembled = wants_assembled(options);
+  Recorder recorder(files);
+  if (options.post.energy_release) {
+    const PauseCounts pause;
+    prior.energy_release = energy_release(mesh, options, plan, particles, assembled);
+    cover_cells(mesh, plan, options.mesh);
+  }
+  const auto d = discretise(mesh, options, plan, std::move(particles), assembled);
+  const std::vector<double> at_rest(2 * static_cast<std::size_t>(d->system.halo->size()), 0.0);
+  require_contours({mesh, options, plan, *d, at_rest});
+  recorder.built({&mesh, &plan, d.get()});
+  solve::StaticDriver driver(d->system, steps_of(options, *d, assembled));
+  const VecHandle u = d->system.rows.vector();
+  files.started();
+  try {
+    driver.run(u.get(), [&](const solve::Step& step, Vec state) { recorder.accept(step, state, driver, prior); });
+  } catch (const SolverFailure&) {
+    recorder.count(driver.report());
+    recorder.stopped_at(u.get());
+    throw;
+  }
+  recorder.finish(driver.report());
+}
+} // namespace
+
 void run(MPI_Comm comm, double begin)
 {
   const SceneOptions options = SceneOptions::read();
   refuse_reference_options(options);
-  const bool assembled = wants_assembled(options);
-  Recorder recorder(comm, options, begin);
+  if (!options.time.dynamic()) (void)wants_assembled(options); // refuses before anything is built
+  RunFiles files(comm, options, begin);
   try {
     mesh::MeshOptions mesh_options = options.mesh;
     const PatchPlan plan = plan_patches(options, mesh_options);
@@ -110,30 +141,14 @@ void run(MPI_Comm comm, double begin)
       swarm = std::make_unique<pd::Particles>(comm);
       particles = make_particles(mesh, plan, *swarm);
     }
-    if (options.post.energy_release) {
-      const PauseCounts pause;
-      prior.energy_release = energy_release(mesh, options, plan, particles, assembled);
-      cover_cells(mesh, plan, mesh_options);
-    }
-    const auto d = discretise(mesh, options, plan, std::move(particles), assembled);
-    const std::vector<double> at_rest(2 * static_cast<std::size_t>(d->system.halo->size()), 0.0);
-    require_contours({mesh, options, plan, *d, at_rest});
-    recorder.built(mesh, plan, *d);
-    solve::StaticDriver driver(d->system, steps_of(options, *d, assembled));
-    const VecHandle u = d->system.rows.vector();
-    recorder.started();
-    try {
-      driver.run(u.get(), [&](const solve::Step& step, Vec state) { recorder.accept(step, state, driver, prior); });
-    } catch (const SolverFailure&) {
-      recorder.count(driver.report());
-      recorder.stopped_at(u.get());
-      throw;
-    }
-    recorder.finish(driver.report());
+    if (options.time.dynamic())
+      run_explicit(files, mesh, plan, std::move(particles));
+    else
+      run_static(files, mesh, plan, std::move(particles), std::move(prior));
     if (const std::string unused = unused_options(); !unused.empty())
-      recorder.warn("options of PETSc that nothing used: " + unused);
+      files.warn("options of PETSc that nothing used: " + unused);
   } catch (const SolverFailure& failure) {
-    recorder.fail(failure.what());
+    files.fail(failure.what());
     throw;
   }
 }

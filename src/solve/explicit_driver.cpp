@@ -406,7 +406,8 @@ std::span<const double> ExplicitDriver::acceleration() const
   const double* values = nullptr;
   Vec a = pdx::solve::acceleration(ts_.get());
   PDX_CALL(VecGetArrayRead(a, &values));
+  const std::span<const double> view{values, owned_};
   PDX_CALL(VecRestoreArrayRead(a, &values));
-  return {values, owned_};
+  return view;
 }
 } // namespace pdx::solve

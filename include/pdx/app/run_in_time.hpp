@@ -1,0 +1,7 @@
+#pragma once
+#include "pdx/app/run_files.hpp"
+
+namespace pdx::app {
+/// Steps a scene through time and writes what was asked for. Collective.
+void run_explicit(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::vector<pd::Particle> particles);
+} // namespace pdx::app
