@@ -1,6 +1,7 @@
 #include "pdx/app/run_in_time.hpp"
 
 #include "pdx/app/time_recorder.hpp"
+#include "pdx/solve/explicit_driver.hpp"
 #include "pdx/solve/stable_step.hpp"
 
 namespace pdx::app {

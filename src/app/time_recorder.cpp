@@ -25,7 +25,7 @@ void TimeRecorder::built(const Standing& scene)
   files_.open_history(columns);
 }
 
-void TimeRecorder::started(const solve::ExplicitDriver& driver, const StepLimits& limits)
+void TimeRecorder::started(const solve::TimeDriver& driver, const StepLimits& limits)
 {
   limits_ = limits;
   first_step_ = driver.step();
@@ -36,7 +36,7 @@ void TimeRecorder::started(const solve::ExplicitDriver& driver, const StepLimits
   begin_ = MPI_Wtime();
 }
 
-MotionEnergies TimeRecorder::energies(const solve::ExplicitDriver& driver) const
+MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
 {
   MotionEnergies e;
   const solve::KineticEnergy kinetic = driver.kinetic_energy();
@@ -47,9 +47,10 @@ MotionEnergies TimeRecorder::energies(const solve::ExplicitDriver& driver) const
   double particles = 0.0;
   for (Index row = d_->system.rows.first_particle(); row < d_->system.rows.owned(); ++row)
     for (std::size_t a = 0; a < 2; ++a)
-      particles += 0.5 * driver.mass()[static_cast<std::size_t>(row)] *
+      particles += 0.5 * driver.moving().mass[static_cast<std::size_t>(row)] *
                    std::pow(driver.v()[2 * static_cast<std::size_t>(row) + a], 2);
-  double sums[] = {e.stored.elements, e.stored.bonds, e.stored.interface, broken.energy, driver.work(), particles};
+  double sums[] = {e.stored.elements, e.stored.bonds,         e.stored.interface,
+                   broken.energy,     driver.moving().work(), particles};
   MPI_Allreduce(MPI_IN_PLACE, sums, 6, MPI_DOUBLE, MPI_SUM, files_.comm());
   e.stored = {sums[0], sums[1], sums[2], sums[3]};
   e.work = sums[4];
@@ -59,15 +60,15 @@ MotionEnergies TimeRecorder::energies(const solve::ExplicitDriver& driver) const
 }
 
 /// Internal force on what is held, one value per owned component.
-std::vector<double> TimeRecorder::held_forces(const solve::ExplicitDriver& driver) const
+std::vector<double> TimeRecorder::held_forces(const solve::TimeDriver& driver) const
 {
   std::vector<double> force(driver.u().size(), 0.0);
-  for (std::size_t k = 0; k < driver.held_components().size(); ++k)
-    force[static_cast<std::size_t>(driver.held_components()[k])] = driver.held_force()[k];
+  for (std::size_t k = 0; k < d_->system.prescribed.components.size(); ++k)
+    force[static_cast<std::size_t>(d_->system.prescribed.components[k])] = driver.moving().held_force()[k];
   return force;
 }
 
-void TimeRecorder::look(const solve::ExplicitDriver& driver)
+void TimeRecorder::look(const solve::TimeDriver& driver)
 {
   const MotionEnergies e = energies(driver);
   if (d_->breaker) {
@@ -81,7 +82,7 @@ void TimeRecorder::look(const solve::ExplicitDriver& driver)
   if (files_.history) write_history(driver, e);
 }
 
-void TimeRecorder::write_history(const solve::ExplicitDriver& driver, const MotionEnergies& e)
+void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEnergies& e)
 {
   std::vector<double> row{static_cast<double>(driver.step()),
                           driver.time(),
@@ -99,7 +100,7 @@ void TimeRecorder::write_history(const solve::ExplicitDriver& driver, const Moti
   files_.history->row(row);
 }
 
-void TimeRecorder::after_step(const solve::ExplicitDriver& driver)
+void TimeRecorder::after_step(const solve::TimeDriver& driver)
 {
   const OutputOptions& output = files_.options.output;
   const int step = driver.step(), last = driver.expected_steps();
@@ -118,7 +119,7 @@ void TimeRecorder::after_step(const solve::ExplicitDriver& driver)
   files_.progress.step(step, last, text);
 }
 
-void TimeRecorder::write_results(const solve::ExplicitDriver& driver)
+void TimeRecorder::write_results(const solve::TimeDriver& driver)
 {
   const MotionEnergies e = energies(driver);
   auto& results = files_.summary.results;
@@ -144,7 +145,7 @@ void TimeRecorder::write_results(const solve::ExplicitDriver& driver)
   }
 }
 
-void TimeRecorder::finish(const solve::ExplicitDriver& driver)
+void TimeRecorder::finish(const solve::TimeDriver& driver)
 {
   const double end = MPI_Wtime();
   look(driver);
@@ -158,7 +159,7 @@ void TimeRecorder::finish(const solve::ExplicitDriver& driver)
   print_phases(driver);
 }
 
-void TimeRecorder::stopped_at(const solve::ExplicitDriver& driver)
+void TimeRecorder::stopped_at(const solve::TimeDriver& driver)
 {
   files_.summary.steps = driver.step();
   files_.summary.wall_seconds.solve = MPI_Wtime() - begin_ - output_;
@@ -166,7 +167,7 @@ void TimeRecorder::stopped_at(const solve::ExplicitDriver& driver)
   write_results(driver);
 }
 
-void TimeRecorder::print_phases(const solve::ExplicitDriver& driver)
+void TimeRecorder::print_phases(const solve::TimeDriver& driver)
 {
   const auto& seconds = files_.summary.wall_seconds;
   const double rows = 0.5 * static_cast<double>(files_.summary.unknowns.total());

@@ -1,6 +1,6 @@
 #pragma once
 #include "pdx/app/run_files.hpp"
-#include "pdx/solve/explicit_driver.hpp"
+#include "pdx/solve/time_driver.hpp"
 
 namespace pdx::app {
 /// Stable steps of a scene, for the report [s].
@@ -26,18 +26,18 @@ class TimeRecorder {
 public:
   explicit TimeRecorder(RunFiles& files) : files_(files) {}
   void built(const Standing& scene);
-  void started(const solve::ExplicitDriver& driver, const StepLimits& limits);
-  void after_step(const solve::ExplicitDriver& driver);
-  void finish(const solve::ExplicitDriver& driver);     ///< results of the end
-  void stopped_at(const solve::ExplicitDriver& driver); ///< the solver gave up: what the last sound state holds
+  void started(const solve::TimeDriver& driver, const StepLimits& limits);
+  void after_step(const solve::TimeDriver& driver);
+  void finish(const solve::TimeDriver& driver);     ///< results of the end
+  void stopped_at(const solve::TimeDriver& driver); ///< the solver gave up: what the last sound state holds
 
 private:
-  MotionEnergies energies(const solve::ExplicitDriver& driver) const;
-  void look(const solve::ExplicitDriver& driver);
-  void write_history(const solve::ExplicitDriver& driver, const MotionEnergies& energies);
-  void write_results(const solve::ExplicitDriver& driver);
-  void print_phases(const solve::ExplicitDriver& driver);
-  std::vector<double> held_forces(const solve::ExplicitDriver& driver) const;
+  MotionEnergies energies(const solve::TimeDriver& driver) const;
+  void look(const solve::TimeDriver& driver);
+  void write_history(const solve::TimeDriver& driver, const MotionEnergies& energies);
+  void write_results(const solve::TimeDriver& driver);
+  void print_phases(const solve::TimeDriver& driver);
+  std::vector<double> held_forces(const solve::TimeDriver& driver) const;
 
   RunFiles& files_;
   const Discretisation* d_ = nullptr;

@@ -1,0 +1,67 @@
+#pragma once
+#include "pdx/field/system.hpp"
+
+namespace pdx::solve {
+/// Sums over all ranks. [J]
+struct KineticEnergy {
+  double moving = 0.0; ///< 1/2 v.M v
+  /// dt^2/8 a.M a of what is free. In a linear scene it is moving + strain energy - this that central differences
+  /// balance against the work to the last digits: an oscillation of the scheme, not of the body.
+  double scheme = 0.0;
+};
+
+/// A System that moves: displacement and velocity, lumped masses, what drives it and the work that does. Knows forces,
+/// not how time is stepped.
+class MovingSystem {
+public:
+  /// The system, bound and with drives, must outlive this.
+  explicit MovingSystem(field::System& system);
+
+  field::System& system;
+  std::vector<double> u;    ///< [owned | halo] [m]
+  std::vector<double> v;    ///< owned [m/s]
+  std::vector<double> mass; ///< owned rows; of a set's row that of the far half, see field::Tie [kg]
+  std::size_t owned() const { return v.size(); }
+  std::span<const field::Tie> ties() const { return ties_; }
+
+  /// Refreshes the halo of u. f = internal force - loads at that time, of the owned components; both are remembered
+  /// where something is held or loaded. Collective.
+  void unbalanced(double time, std::span<double> f);
+  /// a = -M^-1 f in place, 0 where held.
+  void accelerate(std::span<double> f) const;
+  /// y += M x, ties included.
+  void add_inertia(std::span<const double> x, std::span<double> y) const;
+  /// Overwrites held components by what drives them.
+  void move(double time, double* displacement) const;
+  void move_velocity(double time, double* velocity) const;
+
+  /// Call with the state between steps: `note` before the first, `book` then `note` after each. Trapezoidal rule, for
+  /// central differences exact in the energy that the scheme conserves. What is held is moved against its internal
+  /// force and its own inertia.
+  void note();
+  void book();
+  double work() const { return work_; } ///< since the start, this rank's part [J]
+  void set_work(double work) { work_ = work; }
+
+  /// @param a owned [m/s^2]   @param step length [s]   Collective.
+  KineticEnergy kinetic_energy(std::span<const double> a, double step) const;
+  /// Internal force on `system.prescribed.components`, in that order, at the last `unbalanced` [N].
+  std::span<const double> held_force() const { return held_; }
+  /// The place of the fastest row, of all ranks [m]. Collective.
+  std::array<double, 3> fastest_place() const;
+
+private:
+  struct Load {
+    const field::Drive* drive;
+    std::vector<double> force, force_before; // [N]
+    std::vector<double> u_before;            // [m]
+  };
+  double held_kinetic() const;
+
+  std::vector<double> inverse_mass_;
+  std::vector<field::Tie> ties_;
+  std::vector<Load> loads_;
+  std::vector<double> held_, held_before_, held_u_before_;
+  double held_kinetic_before_ = 0.0, work_ = 0.0;
+};
+} // namespace pdx::solve

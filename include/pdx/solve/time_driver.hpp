@@ -1,0 +1,82 @@
+#pragma once
+#include "pdx/solve/central_difference.hpp"
+#include "pdx/solve/moving_system.hpp"
+
+namespace pdx::solve {
+/// What steps a System through time by a TS, explicit or implicit, and what may be asked of it between two steps.
+class TimeDriver {
+public:
+  enum class Verdict { go_on, stop };
+  /// Called after each step, on every rank.
+  using AfterEach = std::function<Verdict()>;
+
+  /// The system, bound and with drives, must outlive the driver. Collective.
+  explicit TimeDriver(field::System& system);
+  virtual ~TimeDriver() = default;
+  TimeDriver(const TimeDriver&) = delete;
+  TimeDriver& operator=(const TimeDriver&) = delete;
+
+  /// Steps to the end, or until `after_each` says stop. Throws SolverFailure when energy grows beyond the work done; u,
+  /// v and the rest are then those of the last state that was found sound. Collective.
+  void run(const AfterEach& after_each);
+
+  double time() const;
+  int step() const;           ///< steps done
+  double step_length() const; ///< [s]
+  int expected_steps() const; ///< in all, if nothing stops the run
+
+  std::span<const double> local() const { return moving_.u; } ///< displacement [owned | halo] [m]
+  std::span<const double> u() const { return {moving_.u.data(), moving_.owned()}; }
+  std::span<const double> v() const { return moving_.v; }   ///< owned [m/s]
+  virtual std::span<const double> acceleration() const = 0; ///< owned [m/s^2]
+  const MovingSystem& moving() const { return moving_; }
+  Vec displacement() const { return displacement_.get(); }
+  virtual KineticEnergy kinetic_energy() const = 0; ///< Collective.
+
+  /// All that a run needs besides u, v and the acceleration to go on to the last bit.
+  struct Clock {
+    double time = 0.0;
+    int step = 0;
+    double length = 0.0; ///< of the step to come [s]
+    StepOrigin origin;
+    double work = 0.0;         ///< of this rank [J]
+    double energy_bound = 0.0; ///< what the kinetic energy is judged by [J]
+    double initial = 0.0;      ///< energy at time 0 [J]
+  };
+  Clock clock() const;
+  /// Goes on from a state: owned blocks, and the clock. Collective.
+  void resume(const Clock& clock, std::span<const double> u, std::span<const double> v, std::span<const double> a);
+
+protected:
+  /// TS of this name with what all runs have in common, and the user's -ts_... on top.
+  void make_ts(const char* type);
+  /// Length, or 0 without -ts_dt; refuses ends that make no sense.
+  double given_step() const;
+  void set_step(double length) const;
+  virtual StepOrigin origin() const { return {}; }
+  /// Takes over an acceleration, and where steps are counted from.
+  virtual void set_acceleration(const StepOrigin& origin, std::span<const double> a) = 0;
+  /// The acceleration at the start.
+  virtual void start(std::span<double> a) = 0;
+  virtual void after_evaluations() {} ///< of a step, before what may change the scene looks at it
+
+  MovingSystem moving_;
+  VecHandle displacement_, velocity_; // on moving_.u and moving_.v
+  TsHandle ts_;
+
+private:
+  void after_step();
+  bool sound();
+  void keep();
+  void go_back();
+  void set_state(const Clock& clock, std::span<const double> a);
+
+  double energy_bound_ = 0.0;
+  bool resumed_ = false;
+  AfterEach after_each_;
+  struct Good {
+    std::vector<double> u, v, a;
+    Clock clock;
+  } good_;
+};
+} // namespace pdx::solve

@@ -1,0 +1,181 @@
+#include "pdx/solve/moving_system.hpp"
+
+#include "pdx/solve/stable_step.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace pdx::solve {
+namespace {
+/// Of a force or of a held displacement.
+double factor(const field::Drive& drive, double time)
+{
+  return drive.kind == field::Drive::Kind::velocity ? drive.history.integral(time) : drive.history.value(time);
+}
+double rate(const field::Drive& drive, double time)
+{
+  return drive.kind == field::Drive::Kind::velocity ? drive.history.value(time) : drive.history.rate(time);
+}
+/// values[component] = value of each held component.
+void overwrite(const std::vector<field::Drive>& drives, double (*now)(const field::Drive&, double), double time,
+               double* values)
+{
+  for (const field::Drive& drive : drives) {
+    if (drive.kind == field::Drive::Kind::force) continue;
+    const double by = now(drive, time);
+    for (std::size_t k = 0; k < drive.components.size(); ++k) values[drive.components[k]] = by * drive.values[k];
+  }
+}
+} // namespace
+
+MovingSystem::MovingSystem(field::System& given)
+    : system(given), u(static_cast<std::size_t>(given.halo->size() * given.rows.dim), 0.0), v(given.initial_velocity),
+      mass(lumped_mass(given)), ties_(ties_of(given)), held_(given.prescribed.components.size(), 0.0),
+      held_before_(held_), held_u_before_(held_)
+{
+  v.resize(static_cast<std::size_t>(system.rows.owned() * system.rows.dim), 0.0);
+  for (const double m : mass) inverse_mass_.push_back(1.0 / m);
+  for (const field::Drive& drive : system.drives)
+    if (const std::vector<double> none(drive.components.size(), 0.0); drive.kind == field::Drive::Kind::force)
+      loads_.push_back({&drive, none, none, none});
+}
+
+void MovingSystem::unbalanced(double time, std::span<double> f)
+{
+  system.halo->refresh(u);
+  std::ranges::fill(f, 0.0);
+  for (const auto& term : system.terms) term->add_residual(u, f);
+  const auto& held = system.prescribed.components;
+  for (std::size_t k = 0; k < held.size(); ++k) held_[k] = f[static_cast<std::size_t>(held[k])];
+  for (Load& load : loads_) {
+    const double now = factor(*load.drive, time);
+    for (std::size_t k = 0; k < load.force.size(); ++k) {
+      load.force[k] = now * load.drive->values[k];
+      f[static_cast<std::size_t>(load.drive->components[k])] -= load.force[k];
+    }
+  }
+}
+
+void MovingSystem::accelerate(std::span<double> f) const
+{
+  const auto dim = static_cast<std::size_t>(system.rows.dim);
+  for (const field::Tie& t : ties_) // forces on w = u + factor a and on u instead of those on a and u
+    for (std::size_t d = 0; d < dim; ++d) {
+      double& far = f[static_cast<std::size_t>(t.set) * dim + d];
+      far /= t.factor;
+      f[static_cast<std::size_t>(t.row) * dim + d] -= far;
+    }
+  for (std::size_t row = 0; row < inverse_mass_.size(); ++row)
+    for (std::size_t d = 0; d < dim; ++d) f[row * dim + d] *= -inverse_mass_[row];
+  for (const field::Tie& t : ties_)
+    for (std::size_t d = 0; d < dim; ++d) {
+      double& set = f[static_cast<std::size_t>(t.set) * dim + d];
+      set = (set - f[static_cast<std::size_t>(t.row) * dim + d]) / t.factor;
+    }
+  for (const Index c : system.prescribed.components) f[static_cast<std::size_t>(c)] = 0.0;
+}
+
+void MovingSystem::add_inertia(std::span<const double> x, std::span<double> y) const
+{
+  const auto dim = static_cast<std::size_t>(system.rows.dim);
+  std::vector<std::uint8_t> tied(mass.size(), 0);
+  for (const field::Tie& t : ties_) {
+    tied[static_cast<std::size_t>(t.set)] = 1;
+    for (std::size_t d = 0; d < dim; ++d) {
+      const std::size_t i = static_cast<std::size_t>(t.row) * dim + d, s = static_cast<std::size_t>(t.set) * dim + d;
+      const double far = mass[static_cast<std::size_t>(t.set)] * (x[i] + t.factor * x[s]);
+      y[i] += far;
+      y[s] += t.factor * far;
+    }
+  }
+  for (std::size_t row = 0; row < mass.size(); ++row)
+    for (std::size_t d = 0; d < dim && !tied[row]; ++d) y[row * dim + d] += mass[row] * x[row * dim + d];
+}
+
+void MovingSystem::move(double time, double* displacement) const
+{
+  overwrite(system.drives, factor, time, displacement);
+}
+
+void MovingSystem::move_velocity(double time, double* velocity) const
+{
+  overwrite(system.drives, rate, time, velocity);
+}
+
+double MovingSystem::held_kinetic() const
+{
+  double sum = 0.0;
+  for (const Index c : system.prescribed.components) {
+    const double speed = v[static_cast<std::size_t>(c)];
+    sum += 0.5 * mass[static_cast<std::size_t>(c / system.rows.dim)] * speed * speed;
+  }
+  return sum;
+}
+
+void MovingSystem::note()
+{
+  for (Load& load : loads_) {
+    load.force_before = load.force;
+    for (std::size_t k = 0; k < load.u_before.size(); ++k)
+      load.u_before[k] = u[static_cast<std::size_t>(load.drive->components[k])];
+  }
+  held_before_ = held_;
+  const auto& held = system.prescribed.components;
+  for (std::size_t k = 0; k < held.size(); ++k) held_u_before_[k] = u[static_cast<std::size_t>(held[k])];
+  held_kinetic_before_ = held_kinetic();
+}
+
+void MovingSystem::book()
+{
+  for (const Load& load : loads_)
+    for (std::size_t k = 0; k < load.force.size(); ++k)
+      work_ += 0.5 * (load.force_before[k] + load.force[k]) *
+               (u[static_cast<std::size_t>(load.drive->components[k])] - load.u_before[k]);
+  const auto& held = system.prescribed.components;
+  for (std::size_t k = 0; k < held.size(); ++k)
+    work_ += 0.5 * (held_before_[k] + held_[k]) * (u[static_cast<std::size_t>(held[k])] - held_u_before_[k]);
+  work_ += held_kinetic() - held_kinetic_before_;
+}
+
+KineticEnergy MovingSystem::kinetic_energy(std::span<const double> a, double step) const
+{
+  const auto dim = static_cast<std::size_t>(system.rows.dim);
+  double sums[2] = {0.0, 0.0};
+  for (std::size_t row = 0; row < mass.size(); ++row)
+    for (std::size_t i = row * dim; i < (row + 1) * dim; ++i) {
+      sums[0] += mass[row] * v[i] * v[i];
+      sums[1] += mass[row] * a[i] * a[i];
+    }
+  for (const field::Tie& t : ties_)
+    for (std::size_t d = 0; d < dim; ++d) {
+      const std::size_t i = static_cast<std::size_t>(t.row) * dim + d, s = static_cast<std::size_t>(t.set) * dim + d;
+      const double m = mass[static_cast<std::size_t>(t.set)], far = v[i] + t.factor * v[s], af = a[i] + t.factor * a[s];
+      sums[0] += m * (far * far - v[s] * v[s]);
+      sums[1] += m * (af * af - a[s] * a[s]);
+    }
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, system.rows.comm);
+  return {0.5 * sums[0], step * step / 8.0 * sums[1]};
+}
+
+std::array<double, 3> MovingSystem::fastest_place() const
+{
+  const auto dim = static_cast<std::size_t>(system.rows.dim);
+  struct {
+    double speed;
+    int rank;
+  } fastest{-1.0, 0};
+  MPI_Comm_rank(system.rows.comm, &fastest.rank);
+  std::array<double, 3> place{};
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double speed = std::isnan(v[i]) ? std::numeric_limits<double>::infinity() : std::abs(v[i]);
+    if (speed <= fastest.speed) continue;
+    fastest.speed = speed;
+    for (std::size_t d = 0; d < dim; ++d) place[d] = system.coordinates[i / dim * dim + d];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &fastest, 1, MPI_DOUBLE_INT, MPI_MAXLOC, system.rows.comm);
+  MPI_Bcast(place.data(), 3, MPI_DOUBLE, fastest.rank, system.rows.comm);
+  return place;
+}
+} // namespace pdx::solve

@@ -1,0 +1,195 @@
+#include "pdx/solve/time_driver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace pdx::solve {
+namespace {
+constexpr int kCheckInterval = 20;       // steps from one look at the energy to the next
+constexpr double kEnergyTolerance = 2.0; // kinetic energy over all that was put in, above which a run has gone wild
+
+VecHandle vector_on(const field::Rows& rows, double* values)
+{
+  VecHandle v;
+  PDX_CALL(VecCreateMPIWithArray(rows.comm, rows.dim, rows.dim * rows.owned(), PETSC_DETERMINE, values, v.out()));
+  return v;
+}
+} // namespace
+
+TimeDriver::TimeDriver(field::System& system)
+    : moving_(system), displacement_(vector_on(system.rows, moving_.u.data())),
+      velocity_(vector_on(system.rows, moving_.v.data()))
+{}
+
+void TimeDriver::make_ts(const char* type)
+{
+  PDX_CALL(TSCreate(moving_.system.rows.comm, ts_.out()));
+  TS ts = ts_.get();
+  PDX_CALL(TSSetProblemType(ts, TS_NONLINEAR));
+  PDX_CALL(TSSetType(ts, type));
+  PDX_CALL(TSSetMaxTime(ts, PETSC_MAX_REAL));
+  PDX_CALL(TSSetMaxSteps(ts, PETSC_MAX_INT));
+  PDX_CALL(TSSetExactFinalTime(ts, TS_EXACTFINALTIME_MATCHSTEP));
+  PDX_CALL(TSSetFromOptions(ts));
+  TSType chosen = nullptr;
+  PDX_CALL(TSGetType(ts, &chosen));
+  if (std::string_view(chosen) != type)
+    throw UserError(fmt::format("-ts_type is {}: must be {} here (-analysis explicit takes {}, implicit alpha2)",
+                                chosen, type, kCentralDifference));
+  PDX_CALL(TS2SetSolution(ts, displacement_.get(), velocity_.get()));
+  PDX_CALL(TSSetApplicationContext(ts, this));
+  PDX_CALL(TSSetPostStep(ts, [](TS now) {
+    return guard([&] {
+      void* self = nullptr;
+      PDX_CALL(TSGetApplicationContext(now, &self));
+      static_cast<TimeDriver*>(self)->after_step();
+    });
+  }));
+}
+
+double TimeDriver::given_step() const
+{
+  PetscBool given = PETSC_FALSE;
+  PetscReal length = 0.0, end = 0.0;
+  PetscInt most = 0;
+  PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
+  PDX_CALL(TSGetTimeStep(ts_.get(), &length));
+  PDX_CALL(TSGetMaxTime(ts_.get(), &end));
+  PDX_CALL(TSGetMaxSteps(ts_.get(), &most));
+  if (end == PETSC_MAX_REAL && most == PETSC_MAX_INT)
+    throw UserError("-ts_max_time is missing: give the end of the run in s (or -ts_max_steps)");
+  if (end <= 0.0) throw UserError(fmt::format("-ts_max_time is {}: must be above 0", end));
+  if (given && !(length > 0.0)) throw UserError(fmt::format("-ts_dt is {}: must be above 0", length));
+  return given ? length : 0.0;
+}
+
+void TimeDriver::set_step(double length) const { PDX_CALL(TSSetTimeStep(ts_.get(), length)); }
+
+/// Kinetic energy comes from loads, motion and what was there; more than that, or no number at all, is a run gone wild.
+bool TimeDriver::sound()
+{
+  const double kinetic = kinetic_energy().moving;
+  double work = moving_.work();
+  MPI_Allreduce(MPI_IN_PLACE, &work, 1, MPI_DOUBLE, MPI_SUM, moving_.system.rows.comm);
+  energy_bound_ = std::max(energy_bound_, work + good_.clock.initial);
+  return std::isfinite(kinetic) && std::isfinite(work) && kinetic <= kEnergyTolerance * energy_bound_;
+}
+
+void TimeDriver::after_step()
+{
+  after_evaluations();
+  for (const auto& change : moving_.system.after_step) change->apply(moving_.u);
+  moving_.book();
+  moving_.note();
+  if (step() % kCheckInterval == 0 || step() >= expected_steps()) {
+    if (!sound()) {
+      const auto place = moving_.fastest_place();
+      const std::string why =
+          fmt::format("step {}, time {:.6g} s: the energy of motion grew beyond all work done, fastest at ({:g}, "
+                      "{:g}); the state of "
+                      "step {} is kept; try a smaller -ts_dt than {:.4g} s, or check material and units",
+                      step(), time(), place[0], place[1], good_.clock.step, step_length());
+      go_back();
+      throw SolverFailure(why);
+    }
+    keep();
+  }
+  if (after_each_() == Verdict::stop) PDX_CALL(TSSetConvergedReason(ts_.get(), TS_CONVERGED_USER));
+}
+
+void TimeDriver::keep()
+{
+  good_.u.assign(moving_.u.begin(), moving_.u.end());
+  good_.v = moving_.v;
+  const auto a = acceleration();
+  good_.a.assign(a.begin(), a.end());
+  good_.clock = clock();
+  for (const auto& change : moving_.system.after_step) change->save();
+}
+
+void TimeDriver::go_back()
+{
+  for (const auto& change : moving_.system.after_step) change->restore();
+  std::ranges::copy(good_.u, moving_.u.begin());
+  std::ranges::copy(good_.v, moving_.v.begin());
+  set_state(good_.clock, good_.a);
+}
+
+void TimeDriver::set_state(const Clock& clock, std::span<const double> a)
+{
+  set_acceleration(clock.origin, a);
+  PDX_CALL(TSSetTime(ts_.get(), clock.time));
+  PDX_CALL(TSSetStepNumber(ts_.get(), clock.step));
+  if (clock.length > 0.0) set_step(clock.length);
+  moving_.set_work(clock.work);
+  energy_bound_ = clock.energy_bound;
+}
+
+TimeDriver::Clock TimeDriver::clock() const
+{
+  return {time(), step(), step_length(), origin(), moving_.work(), energy_bound_, good_.clock.initial};
+}
+
+void TimeDriver::resume(const Clock& clock, std::span<const double> u, std::span<const double> v,
+                        std::span<const double> a)
+{
+  std::ranges::copy(u, moving_.u.begin());
+  std::ranges::copy(v, moving_.v.begin());
+  good_.clock = clock;
+  set_state(clock, a);
+  resumed_ = true;
+}
+
+void TimeDriver::run(const AfterEach& after_each)
+{
+  after_each_ = after_each;
+  std::vector<double> a(moving_.owned(), 0.0);
+  if (resumed_)
+    moving_.unbalanced(time(), a); // for the forces on what is held and loaded
+  else {
+    start(a);
+    set_state({}, a);
+    good_.clock.initial = energy_bound_ = kinetic_energy().moving;
+  }
+  moving_.note();
+  keep();
+  PDX_CALL(TSSolve(ts_.get(), displacement_.get()));
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+  PDX_CALL(TSGetConvergedReason(ts_.get(), &reason));
+  if (reason < 0)
+    throw SolverFailure(fmt::format("step {}, time {:.6g} s: TS stopped ({}); try a smaller -ts_dt", step() + 1, time(),
+                                    TSConvergedReasons[reason]));
+}
+
+double TimeDriver::time() const
+{
+  PetscReal time = 0.0;
+  PDX_CALL(TSGetTime(ts_.get(), &time));
+  return time;
+}
+
+int TimeDriver::step() const
+{
+  PetscInt step = 0;
+  PDX_CALL(TSGetStepNumber(ts_.get(), &step));
+  return step;
+}
+
+double TimeDriver::step_length() const
+{
+  PetscReal length = 0.0;
+  PDX_CALL(TSGetTimeStep(ts_.get(), &length));
+  return length;
+}
+
+int TimeDriver::expected_steps() const
+{
+  PetscReal end = 0.0;
+  PetscInt most = 0;
+  PDX_CALL(TSGetMaxTime(ts_.get(), &end));
+  PDX_CALL(TSGetMaxSteps(ts_.get(), &most));
+  const double left = std::ceil((end - time()) / step_length() - 1e-6);
+  return static_cast<int>(std::min(static_cast<double>(most), step() + std::max(0.0, left)));
+}
+} // namespace pdx::solve
