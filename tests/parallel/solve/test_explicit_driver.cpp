@@ -10,8 +10,8 @@ using field::Drive;
 
 /// Masses on springs to the ground, and the options of a run; the last are taken back at the end.
 struct Oscillators {
-  explicit Oscillators(std::vector<std::pair<const char*, std::string>> given, Index rows = 1)
-      : options(std::move(given))
+  using Given = std::vector<std::pair<const char*, std::string>>;
+  explicit Oscillators(Given given, Index rows = 1) : options(std::move(given))
   {
     std::vector<test::Spring> list;
     for (Index row = 0; row < rows; ++row)
@@ -77,13 +77,15 @@ TEST(ExplicitDriver, IsOfSecondOrderInTime)
 {
   double before = 0.0;
   for (const double dt : {0.1, 0.05, 0.025}) {
-    Oscillators o({{"-ts_dt", std::to_string(dt)}, {"-ts_max_time", "4"}});
+    Oscillators o(Oscillators::Given{{"-ts_dt", std::to_string(dt)}, {"-ts_max_time", "4"}});
     o.system().initial_velocity = {3.0, -1.5};
     solve::ExplicitDriver driver(o.system(), kOptions);
     driver.run(go_on);
     const double error = std::abs(driver.u()[0] - 2.0 * std::sin(6.0));
     EXPECT_NEAR(driver.u()[1], -0.5 * driver.u()[0], 1e-12);
-    if (before > 0.0) EXPECT_NEAR(before / error, 4.0, 0.1);
+    if (before > 0.0) {
+      EXPECT_NEAR(before / error, 4.0, 0.1);
+    }
     before = error;
   }
   EXPECT_LT(before, 1e-3);
@@ -91,7 +93,7 @@ TEST(ExplicitDriver, IsOfSecondOrderInTime)
 
 TEST(ExplicitDriver, EndsExactlyAndAtTheLastStep)
 {
-  Oscillators o({{"-ts_max_time", "7.3"}});
+  Oscillators o(Oscillators::Given{{"-ts_max_time", "7.3"}});
   o.system().initial_velocity = {1.0, 0.0};
   solve::ExplicitDriver driver(o.system(), kOptions);
   EXPECT_EQ(driver.expected_steps(), 7); // of at most 0.9 * 4/3
@@ -107,7 +109,7 @@ TEST(ExplicitDriver, EndsExactlyAndAtTheLastStep)
 
 TEST(ExplicitDriver, KeepsTheEnergyItsSchemeConserves)
 {
-  Oscillators o({{"-ts_dt", "0.5"}, {"-ts_max_steps", "200"}});
+  Oscillators o(Oscillators::Given{{"-ts_dt", "0.5"}, {"-ts_max_steps", "200"}});
   o.system().initial_velocity = {1.0, 2.0};
   solve::ExplicitDriver driver(o.system(), kOptions);
   int ranks = 1;
@@ -125,7 +127,7 @@ TEST(ExplicitDriver, KeepsTheEnergyItsSchemeConserves)
 
 TEST(ExplicitDriver, BooksTheWorkOfLoads)
 {
-  Oscillators o({{"-ts_dt", "0.2"}, {"-ts_max_time", "9"}});
+  Oscillators o(Oscillators::Given{{"-ts_dt", "0.2"}, {"-ts_max_time", "9"}});
   o.system().drives.push_back({Drive::Kind::force, field::History::gaussian(3.0, 0.8), {0, 1}, {5.0, -2.0}});
   solve::ExplicitDriver driver(o.system(), kOptions);
   driver.run(go_on);
@@ -138,7 +140,7 @@ TEST(ExplicitDriver, BooksTheWorkOfLoads)
 TEST(ExplicitDriver, BooksTheWorkOfPrescribedMotion)
 {
   for (const Drive::Kind kind : {Drive::Kind::displacement, Drive::Kind::velocity}) {
-    Oscillators o({{"-ts_dt", "0.1"}, {"-ts_max_time", "2"}});
+    Oscillators o(Oscillators::Given{{"-ts_dt", "0.1"}, {"-ts_max_time", "2"}});
     hold(o.system(), kind, field::History::ramp(0.0, 2.0), 6.0);
     solve::ExplicitDriver driver(o.system(), kOptions);
     driver.run(go_on);
@@ -153,19 +155,19 @@ TEST(ExplicitDriver, BooksTheWorkOfPrescribedMotion)
 TEST(ExplicitDriver, RefusesWhatCannotBe)
 {
   {
-    Oscillators o({{"-ts_dt", "1.34"}, {"-ts_max_time", "2"}});
+    Oscillators o(Oscillators::Given{{"-ts_dt", "1.34"}, {"-ts_max_time", "2"}});
     EXPECT_THROW(solve::ExplicitDriver(o.system(), kOptions), UserError);
     EXPECT_NO_THROW(solve::ExplicitDriver(o.system(), {Oscillators::kLimit, 0.9, true}));
   }
-  Oscillators endless({});
+  Oscillators endless(Oscillators::Given{});
   EXPECT_THROW(solve::ExplicitDriver(endless.system(), kOptions), UserError);
-  Oscillators other({{"-ts_max_time", "2"}, {"-ts_type", "rk"}});
+  Oscillators other(Oscillators::Given{{"-ts_max_time", "2"}, {"-ts_type", "rk"}});
   EXPECT_THROW(solve::ExplicitDriver(other.system(), kOptions), UserError);
 }
 
 TEST(ExplicitDriver, CatchesARunGoneWildAndKeepsTheLastSoundState)
 {
-  Oscillators o({{"-ts_dt", std::to_string(1.02 * Oscillators::kLimit)}, {"-ts_max_steps", "1000"}});
+  Oscillators o(Oscillators::Given{{"-ts_dt", std::to_string(1.02 * Oscillators::kLimit)}, {"-ts_max_steps", "1000"}});
   o.system().initial_velocity = {1.0, 0.0};
   solve::ExplicitDriver driver(o.system(), {Oscillators::kLimit, 0.9, true});
   EXPECT_THROW(driver.run(go_on), SolverFailure);
@@ -208,7 +210,7 @@ TEST(ExplicitDriver, GoesOnToTheLastBit)
 
 TEST(ExplicitDriver, StopsWhenTold)
 {
-  Oscillators o({{"-ts_dt", "0.1"}, {"-ts_max_time", "9"}});
+  Oscillators o(Oscillators::Given{{"-ts_dt", "0.1"}, {"-ts_max_time", "9"}});
   o.system().initial_velocity = {1.0, 0.0};
   solve::ExplicitDriver driver(o.system(), kOptions);
   driver.run([&] {
@@ -220,7 +222,7 @@ TEST(ExplicitDriver, StopsWhenTold)
 TEST(ExplicitDriver, MovesTheHalvesOfATiedNodeByTheirOwnMasses)
 {
   // Node row 0 and its set row 1: u and w = u - 2 a, masses 4 each; a force on u alone must leave w at rest.
-  Oscillators o({{"-ts_dt", "0.01"}, {"-ts_max_time", "0.1"}}, 2);
+  Oscillators o(Oscillators::Given{{"-ts_dt", "0.01"}, {"-ts_max_time", "0.1"}}, 2);
   for (test::Spring& spring : o.bed->springs) spring.broken = true;
   class TiedRows final : public field::Term {
   public:
