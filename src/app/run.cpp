@@ -142,7 +142,7 @@ void run(MPI_Comm comm, double begin)
       particles = make_particles(mesh, plan, *swarm);
     }
     if (options.time.dynamic())
-      run_explicit(files, mesh, plan, std::move(particles));
+      run_in_time(files, mesh, plan, std::move(particles));
     else
       run_static(files, mesh, plan, std::move(particles), std::move(prior));
     if (const std::string unused = unused_options(); !unused.empty())

@@ -2,6 +2,7 @@
 
 #include "pdx/app/time_recorder.hpp"
 #include "pdx/solve/explicit_driver.hpp"
+#include "pdx/solve/implicit_driver.hpp"
 #include "pdx/solve/stable_step.hpp"
 
 namespace pdx::app {
@@ -17,24 +18,30 @@ StepLimits limits_of(const PatchPlan& plan, const field::System& system)
 }
 } // namespace
 
-void run_explicit(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::vector<pd::Particle> particles)
+void run_in_time(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::vector<pd::Particle> particles)
 {
   const SceneOptions& options = files.options;
+  const bool implicit = options.time.analysis == Analysis::implicit_dynamics;
   TimeRecorder recorder(files);
-  const auto d = discretise(mesh, options, plan, std::move(particles), false);
+  const auto d = discretise(mesh, options, plan, std::move(particles), implicit);
   recorder.built({&mesh, &plan, d.get()});
   const StepLimits limits = limits_of(plan, d->system);
-  solve::ExplicitDriver driver(d->system, {limits.rigorous, options.time.safety, options.time.allow_unstable});
-  recorder.started(driver, limits);
+  std::unique_ptr<solve::TimeDriver> driver;
+  if (implicit)
+    driver = std::make_unique<solve::ImplicitDriver>(d->system);
+  else
+    driver = std::make_unique<solve::ExplicitDriver>(
+        d->system, solve::ExplicitOptions{limits.rigorous, options.time.safety, options.time.allow_unstable});
+  recorder.started(*driver, limits);
   try {
-    driver.run([&] {
-      recorder.after_step(driver);
-      return solve::ExplicitDriver::Verdict::go_on;
+    driver->run([&] {
+      recorder.after_step(*driver);
+      return solve::TimeDriver::Verdict::go_on;
     });
   } catch (const SolverFailure&) {
-    recorder.stopped_at(driver);
+    recorder.stopped_at(*driver);
     throw;
   }
-  recorder.finish(driver);
+  recorder.finish(*driver);
 }
 } // namespace pdx::app

@@ -3,5 +3,5 @@
 
 namespace pdx::app {
 /// Steps a scene through time and writes what was asked for. Collective.
-void run_explicit(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::vector<pd::Particle> particles);
+void run_in_time(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::vector<pd::Particle> particles);
 } // namespace pdx::app
