@@ -31,7 +31,11 @@ template <int Dim> void BondTerm<Dim>::add_residual(std::span<const double> u, s
 {
   static Event event("pd_force");
   Timed timed(event);
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
+  for (const auto& strip : strips_) {
+    strip->load(u);
+    strip->add_force(r.data());
+  }
+  for (std::size_t p = 0; strips_.empty() && p < parts_.size(); ++p) {
     parts_[p]->load(u, scratch_[p]);
     add_force<Dim>(parts_[p]->view(scratch_[p]), parts_[p]->force_runs(), kinematics_, r.data());
   }
@@ -51,6 +55,11 @@ template <int Dim> std::vector<double> BondTerm<Dim>::energy_density(std::span<c
 template <int Dim> double BondTerm<Dim>::energy(std::span<const double> u) const
 {
   double total = 0.0;
+  for (const auto& strip : strips_) {
+    strip->load(u);
+    total += strip->energy();
+  }
+  if (!strips_.empty()) return total;
   const std::vector<double> density = energy_density(u);
   for (const auto& part : parts_)
     for (std::size_t k = 0; k < part->sites().size(); ++k)
@@ -172,6 +181,7 @@ template <int Dim> std::int64_t BondTerm<Dim>::cut(const crack::CrackSet& cracks
   Timed timed(event);
   std::int64_t count = 0;
   for (const auto& part : parts_) count += part->cut(cracks);
+  take_over_words();
   return count;
 }
 
@@ -191,6 +201,7 @@ template <int Dim> Broken BondTerm<Dim>::break_bonds(const Windows& loaded, std:
   Broken broken;
   ++revision_;
   for (std::size_t p = 0; p < parts_.size(); ++p) broken += parts_[p]->break_bonds(loaded[p], rules[p]);
+  take_over_words();
   return broken;
 }
 
@@ -210,6 +221,53 @@ template <int Dim> void BondTerm<Dim>::restore()
 {
   ++revision_;
   for (const auto& part : parts_) part->restore();
+  take_over_words();
+}
+
+template <int Dim> void BondTerm<Dim>::take_over_words()
+{
+  for (const auto& strip : strips_) strip->take_over_words();
+}
+
+template <int Dim> void BondTerm<Dim>::step_explicitly(std::span<const BreakRule> rules, Processor processor)
+{
+  PDX_ASSERT(rules.empty() || rules.size() == parts_.size());
+  strips_.clear();
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    strips_.push_back(std::make_unique<StripPart<Dim>>(*parts_[p], kinematics_, processor));
+    if (!rules.empty()) strips_[p]->watch(rules[p].critical_stretch);
+  }
+}
+
+template <int Dim> bool BondTerm<Dim>::overstretched_seen() const
+{
+  for (const auto& strip : strips_)
+    if (strip->overstretched_seen()) return true;
+  return false;
+}
+
+template <int Dim> Broken BondTerm<Dim>::break_overstretched()
+{
+  static Event event("pd_break");
+  Timed timed(event);
+  Broken broken;
+  for (const auto& strip : strips_) broken += strip->break_bonds();
+  ++revision_;
+  return broken;
+}
+
+template <int Dim> std::int64_t BondTerm<Dim>::tiles_computed() const
+{
+  std::int64_t count = 0;
+  for (const auto& strip : strips_) count += strip->tiles_computed();
+  return count;
+}
+
+template <int Dim> std::int64_t BondTerm<Dim>::tiles_skipped() const
+{
+  std::int64_t count = 0;
+  for (const auto& strip : strips_) count += strip->tiles_skipped();
+  return count;
 }
 
 template <int Dim> std::int64_t BondTerm<Dim>::bonds() const

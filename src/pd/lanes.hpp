@@ -1,4 +1,6 @@
 #pragma once
+#include "pdx/pd/processor.hpp"
+
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -34,6 +36,7 @@ template <int W> PDX_INLINE typename Simd<W>::Words load(const std::uint64_t* p)
   __builtin_memcpy(&x, p, sizeof x);
   return x;
 }
+template <int W> PDX_INLINE void store(Lanes<W> x, double* p) { __builtin_memcpy(p, &x, sizeof x); }
 /// Square root to 2 ulp by four Newton steps on 1/sqrt(x) from its bit-shift estimate (3.5 % off): the steps share the
 /// processor's multipliers with other bonds while its divider is busy, twice as fast as its square root. 0 gives 0.
 template <int W> PDX_INLINE Lanes<W> square_root(Lanes<W> x)
@@ -58,19 +61,9 @@ template <int W, int N> PDX_INLINE void add_rows(const Lanes<W> (&sum)[N], std::
     for (int d = 0; d < N; ++d) rows[l * N + d] += sum[d][l];
 }
 
-/// Runs `body.template run<W>()` in the version for this processor: 8 lanes with AVX-512, 4 with AVX2, else 2.
+/// Runs `body.template run<W>()` in one version: 8 lanes with AVX-512, 4 with AVX2, else 2.
 /// (GCC's target_clones would choose too, but cannot change W with the choice.)
 #if defined(__x86_64__)
-enum class Processor { any, avx2, avx512 };
-inline Processor this_processor()
-{
-  __builtin_cpu_init();
-  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return Processor::any;
-  const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-                    __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
-                    __builtin_cpu_supports("avx512vl");
-  return wide ? Processor::avx512 : Processor::avx2;
-}
 template <class Body> __attribute__((target("arch=x86-64-v4"))) void run_avx512(const Body& body)
 {
   body.template run<8>();
@@ -79,9 +72,8 @@ template <class Body> __attribute__((target("arch=x86-64-v3"))) void run_avx2(co
 {
   body.template run<4>();
 }
-template <class Body> void run_here(const Body& body)
+template <class Body> void run_on(Processor processor, const Body& body)
 {
-  static const Processor processor = this_processor();
   if (processor == Processor::avx512)
     run_avx512(body);
   else if (processor == Processor::avx2)
@@ -90,6 +82,8 @@ template <class Body> void run_here(const Body& body)
     body.template run<2>();
 }
 #else
-template <class Body> void run_here(const Body& body) { body.template run<2>(); }
+template <class Body> void run_on(Processor, const Body& body) { body.template run<2>(); }
 #endif
+/// The same in the widest version for this machine.
+template <class Body> void run_here(const Body& body) { run_on(this_processor(), body); }
 } // namespace pdx::pd

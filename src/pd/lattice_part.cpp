@@ -49,7 +49,6 @@ LatticePart<Dim>::LatticePart(const field::Rows& rows, geom::Lattice<Dim> lattic
   if (exists) write_shares(exists);
   collect_halo();
   find_traits();
-  make_runs();
 }
 
 template <int Dim> void LatticePart<Dim>::place_window()
@@ -206,31 +205,43 @@ template <int Dim> typename LatticePart<Dim>::Window LatticePart<Dim>::window() 
   return window;
 }
 
-template <int Dim> void LatticePart<Dim>::load(std::span<const double> owned, Window& window) const
+template <int Dim>
+std::span<const double> LatticePart<Dim>::exchange(std::span<const double> owned,
+                                                   const std::function<void()>& meanwhile) const
 {
   static Event event("pd_halo");
   int ranks = 1;
   MPI_Comm_size(rows_.comm, &ranks);
-  const bool travels = ranks > 1;
+  if (ranks == 1) {
+    meanwhile();
+    return {};
+  }
   MPI_Datatype block = MPI_DATATYPE_NULL;
-  if (travels) {
+  {
     Timed timed(event);
     MPI_Type_contiguous(Dim, MPI_DOUBLE, &block);
     MPI_Type_commit(&block);
     PDX_CALL(PetscSFBcastBegin(halo_sf_.get(), block, owned.data(), halo_buffer_.data(), MPI_REPLACE));
   }
-  for (const Run& run : segments_) {
-    const double* from = owned.data() + static_cast<std::ptrdiff_t>(run.row) * Dim;
-    std::array<double*, Dim> to;
-    for (std::size_t d = 0; d < Dim; ++d) to[d] = window[d].data() + run.at;
-    for (std::ptrdiff_t k = 0; k < run.length; ++k)
-      for (std::size_t d = 0; d < Dim; ++d) to[d][k] = from[k * Dim + static_cast<std::ptrdiff_t>(d)];
-  }
-  if (!travels) return;
+  meanwhile();
   PDX_CALL(PetscSFBcastEnd(halo_sf_.get(), block, owned.data(), halo_buffer_.data(), MPI_REPLACE));
   MPI_Type_free(&block);
-  for (std::size_t k = 0; k < halo_at_.size(); ++k)
-    for (std::size_t d = 0; d < Dim; ++d) window[d][static_cast<std::size_t>(halo_at_[k])] = halo_buffer_[k * Dim + d];
+  return halo_buffer_;
+}
+
+template <int Dim> void LatticePart<Dim>::load(std::span<const double> owned, Window& window) const
+{
+  const std::span<const double> halo = exchange(owned, [&] {
+    for (const Run& run : segments_) {
+      const double* from = owned.data() + static_cast<std::ptrdiff_t>(run.row) * Dim;
+      std::array<double*, Dim> to;
+      for (std::size_t d = 0; d < Dim; ++d) to[d] = window[d].data() + run.at;
+      for (std::ptrdiff_t k = 0; k < run.length; ++k)
+        for (std::size_t d = 0; d < Dim; ++d) to[d][k] = from[k * Dim + static_cast<std::ptrdiff_t>(d)];
+    }
+  });
+  for (std::size_t k = 0; k * Dim < halo.size(); ++k)
+    for (std::size_t d = 0; d < Dim; ++d) window[d][static_cast<std::size_t>(halo_at_[k])] = halo[k * Dim + d];
 }
 
 template <int Dim> BondView<Dim> LatticePart<Dim>::view(const Window& window) const

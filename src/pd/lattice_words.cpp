@@ -54,8 +54,9 @@ template <int Dim> void LatticePart<Dim>::find_traits()
   }
 }
 
-template <int Dim> void LatticePart<Dim>::make_runs()
+template <int Dim> void LatticePart<Dim>::make_runs() const
 {
+  runs_stale_ = false;
   split_runs(segments_, traits_.data(), kPlain | kComplete | kLost, kPlain | kComplete, force_runs_);
   split_runs(segments_, traits_.data(), kPlain | kLost, kPlain, linear_runs_);
 }
@@ -71,16 +72,17 @@ void LatticePart<Dim>::for_each_loss(const Words& before, const Words& after, Vi
         visit(static_cast<std::ptrdiff_t>(i), 64 * p + static_cast<std::size_t>(std::countr_zero(lost)));
 }
 
+template <int Dim> void LatticePart<Dim>::note_loss(std::ptrdiff_t i, std::size_t h)
+{
+  for (const std::ptrdiff_t end : {i, i + arms_[h].jump})
+    if (end < window_size_) traits_[static_cast<std::size_t>(end)] |= kLost;
+  runs_stale_ = true;
+}
+
 /// Brings traits and runs up to date after `words_` was `other_words_`.
 template <int Dim> void LatticePart<Dim>::note_losses()
 {
-  bool any = false;
-  for_each_loss(other_words_, words_, [&](std::ptrdiff_t i, std::size_t h) {
-    any = true;
-    for (const std::ptrdiff_t end : {i, i + arms_[h].jump})
-      if (end < window_size_) traits_[static_cast<std::size_t>(end)] |= kLost;
-  });
-  if (any) make_runs();
+  for_each_loss(other_words_, words_, [&](std::ptrdiff_t i, std::size_t h) { note_loss(i, h); });
 }
 
 template <int Dim> void LatticePart<Dim>::protect(std::span<const geom::Box<2>> boxes)
@@ -119,12 +121,24 @@ template <int Dim> Broken LatticePart<Dim>::break_bonds(const Window& loaded, Br
   Broken broken;
   broken.bonds = pd::break_bonds<Dim>(view(loaded), segments_, rule, writable(words_));
   for_each_loss(other_words_, words_, [&](std::ptrdiff_t i, std::size_t h) {
-    if (!(traits_[static_cast<std::size_t>(i)] & kOwned)) return;
-    const HalfArm<Dim>& arm = arms_[h];
-    broken.energy += surface_factor(i, i + arm.jump) *
-                     law::bond_energy(arm.kappa, arm.length, stretch(loaded, i, h, rule.kinematics));
+    if (traits_[static_cast<std::size_t>(i)] & kOwned)
+      broken.energy += energy_of(i, h, stretch(loaded, i, h, rule.kinematics));
   });
   note_losses();
+  return broken;
+}
+
+template <int Dim> Broken LatticePart<Dim>::lose(std::span<const LostBond<Dim>> lost, Kinematics kinematics)
+{
+  Broken broken;
+  if (!lost.empty()) remember_volume();
+  for (const LostBond<Dim>& bond : lost) {
+    words_[bond.arm / 64][static_cast<std::size_t>(bond.at)] &= ~(std::uint64_t{1} << bond.arm % 64);
+    note_loss(bond.at, bond.arm);
+    if (!(traits_[static_cast<std::size_t>(bond.at)] & kOwned)) continue;
+    ++broken.bonds;
+    broken.energy += energy_of(bond.at, bond.arm, stretch(bond.eta, bond.arm, kinematics));
+  }
   return broken;
 }
 
@@ -143,15 +157,24 @@ void LatticePart<Dim>::overstretched(const Window& loaded, BreakRule rule, std::
 template <int Dim>
 double LatticePart<Dim>::stretch(const Window& loaded, std::ptrdiff_t i, std::size_t h, Kinematics kinematics) const
 {
-  const HalfArm<Dim>& arm = arms_[h];
-  Vector<Dim> xi, eta;
-  for (std::size_t d = 0; d < Dim; ++d) {
-    const auto e = static_cast<Eigen::Index>(d);
-    xi[e] = arm.xi[d];
-    eta[e] = loaded[d][static_cast<std::size_t>(i + arm.jump)] - loaded[d][static_cast<std::size_t>(i)];
-  }
-  return kinematics == Kinematics::finite ? law::finite_state<Dim>(xi, arm.length, eta).stretch
-                                          : law::linear_state<Dim>(xi, arm.length, eta).stretch;
+  Vector<Dim> eta;
+  for (std::size_t d = 0; d < Dim; ++d)
+    eta[static_cast<Eigen::Index>(d)] =
+        loaded[d][static_cast<std::size_t>(i + arms_[h].jump)] - loaded[d][static_cast<std::size_t>(i)];
+  return stretch(eta, h, kinematics);
+}
+
+template <int Dim> double LatticePart<Dim>::stretch(const Vector<Dim>& eta, std::size_t h, Kinematics kinematics) const
+{
+  const Vector<Dim> xi = Eigen::Map<const Vector<Dim>>(arms_[h].xi.data());
+  return kinematics == Kinematics::finite ? law::finite_state<Dim>(xi, arms_[h].length, eta).stretch
+                                          : law::linear_state<Dim>(xi, arms_[h].length, eta).stretch;
+}
+
+/// Strain energy of a bond, with its surface factor. [J]
+template <int Dim> double LatticePart<Dim>::energy_of(std::ptrdiff_t i, std::size_t h, double stretch) const
+{
+  return surface_factor(i, i + arms_[h].jump) * law::bond_energy(arms_[h].kappa, arms_[h].length, stretch);
 }
 
 template <int Dim> void LatticePart<Dim>::save()
@@ -164,7 +187,7 @@ template <int Dim> void LatticePart<Dim>::restore()
 {
   words_ = saved_.words;
   traits_ = saved_.traits;
-  make_runs();
+  runs_stale_ = true;
 }
 
 template <int Dim> std::array<std::uint64_t, 2> LatticePart<Dim>::words_of(Index k) const
@@ -233,10 +256,11 @@ template <int Dim> void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolu
 
 #define PDX_INSTANTIATE(Dim)                                                                                           \
   template void LatticePart<Dim>::find_traits();                                                                       \
-  template void LatticePart<Dim>::make_runs();                                                                         \
+  template void LatticePart<Dim>::make_runs() const;                                                                   \
   template void LatticePart<Dim>::protect(std::span<const geom::Box<2>>);                                              \
   template std::int64_t LatticePart<Dim>::cut(const crack::CrackSet&);                                                 \
   template Broken LatticePart<Dim>::break_bonds(const Window&, BreakRule);                                             \
+  template Broken LatticePart<Dim>::lose(std::span<const LostBond<Dim>>, Kinematics);                                  \
   template void LatticePart<Dim>::overstretched(const Window&, BreakRule, std::vector<double>&) const;                 \
   template void LatticePart<Dim>::save();                                                                              \
   template void LatticePart<Dim>::restore();                                                                           \

@@ -1,12 +1,12 @@
 #pragma once
 #include "pdx/field/term.hpp"
-#include "pdx/pd/lattice_part.hpp"
+#include "pdx/pd/strip_part.hpp"
 
 #include <memory>
 
 namespace pdx::pd {
 /// The bonds between the particles of all patches. Matrix-free except for the diagonal blocks, or assembled in full
-/// as reference (`-pd_operator assembled`).
+/// as reference (`-pd_operator assembled`), or in lane strips for explicit steps.
 template <int Dim> class BondTerm final : public field::Term {
 public:
   BondTerm(std::vector<std::unique_ptr<LatticePart<Dim>>> parts, Kinematics kinematics, bool assembled);
@@ -37,6 +37,20 @@ public:
   Broken break_bonds(const Windows& loaded, std::span<const BreakRule> rules);
   /// s/s0 of the bonds that `break_bonds` would break and this rank counts, in any order.
   void overstretched(const Windows& loaded, std::span<const BreakRule> rules, std::vector<double>& ratios) const;
+
+  /// From now on forces and energies are worked out for explicit steps, in lane strips, and bonds are watched while
+  /// forces are added up. Collective.
+  /// @param rules one per patch; none: nothing breaks   @param processor the version to run in
+  void step_explicitly(std::span<const BreakRule> rules, Processor processor = chosen_processor());
+  /// True if the last `add_residual` or `energy` saw a bond of this rank that may be overstretched.
+  bool overstretched_seen() const;
+  /// Breaks what is overstretched at the displacement of the last `add_residual` or `energy`; returns what this rank
+  /// counts. Only tiles where they saw something are looked at, and no rank waits for another.
+  Broken break_overstretched();
+  /// Tiles of bonds that passes in lane strips computed, and those they skipped because they were at rest; this rank.
+  std::int64_t tiles_computed() const;
+  std::int64_t tiles_skipped() const;
+
   std::int64_t revision() const override { return revision_; }
   void save();
   void restore();             ///< needs a `save` before
@@ -49,6 +63,7 @@ public:
   std::vector<double> energy_density(std::span<const double> u) const;
 
 private:
+  void take_over_words();
   void add_diagonal(field::BlockAdder& adder) const;
   void add_whole(field::BlockAdder& adder, const LatticePart<Dim>& part, std::size_t number) const;
 
@@ -59,5 +74,6 @@ private:
   const field::RowHalo* halo_ = nullptr;
   Windows state_; // displacement the tangent is taken at
   mutable Windows scratch_;
+  std::vector<std::unique_ptr<StripPart<Dim>>> strips_; // of all parts, or none
 };
 } // namespace pdx::pd

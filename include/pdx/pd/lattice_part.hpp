@@ -21,6 +21,13 @@ template <int Dim> int family_reach(const Stencil<Dim>& stencil);
 /// Family volume of a site over that of a complete family [-]; 1 inside, less near a free surface.
 template <int Dim> double family_share(const Stencil<Dim>& stencil, const Site<Dim>& site, const Exists<Dim>& exists);
 
+/// A bond that broke: half arm `arm` of the site with window index `at`, at relative displacement eta = u_j - u_i [m].
+template <int Dim> struct LostBond {
+  std::ptrdiff_t at;
+  std::uint32_t arm;
+  Vector<Dim> eta;
+};
+
 /// One rank's part of one patch: its particles as runs along x in a dense, padded window of the lattice, the halo
 /// around them, and the bond words. Windows are structure-of-arrays so that the bond kernels need no index lists.
 /// Bonds to particles of other ranks are kept on either side, and change here and there by the same arithmetic. Bonds
@@ -53,13 +60,19 @@ public:
   Window window() const; ///< zero displacement window
   /// Fills a window from owned rows (interleaved, from local row 0) and fetches the halo. Collective.
   void load(std::span<const double> owned, Window& window) const;
+  /// Fetches the halo and runs `meanwhile` while it travels. Collective.
+  /// @return rows of Dim in the order of `halo_at`, good until the next exchange; nothing on a single rank
+  std::span<const double> exchange(std::span<const double> owned, const std::function<void()>& meanwhile) const;
+  std::span<const std::ptrdiff_t> halo_at() const { return halo_at_; } ///< window index per halo site
+  const Site<Dim>& extent() const { return extent_; }                  ///< sites of the window, padding included
+  std::span<const Run> particle_runs() const { return segments_; }     ///< owned particles; their kind says nothing
 
   /// Displacement of a neighbour relative to particle k, u_j - u_i [m], from a loaded window.
   Vector<Dim> relative(const Window& window, Index k, std::size_t arm, int sign) const;
   BondView<Dim> view(const Window& window) const;
-  std::span<const Run> force_runs() const { return force_runs_; } ///< whole only where no bond is missing
+  std::span<const Run> force_runs() const { return fresh(force_runs_); } ///< whole only where no bond is missing
   /// whole where no bond was lost; neighbours that never were count as u = 0
-  std::span<const Run> linear_runs() const { return linear_runs_; }
+  std::span<const Run> linear_runs() const { return fresh(linear_runs_); }
   /// True if some bond of the patch, on whatever rank, has a surface correction factor.
   bool corrected() const { return corrected_; }
 
@@ -70,6 +83,14 @@ public:
   std::int64_t cut(const crack::CrackSet& cracks);
   /// Breaks all bonds that are overstretched at a loaded window; `rule.no_fail` is replaced by what `protect` said.
   Broken break_bonds(const Window& loaded, BreakRule rule);
+  /// Takes out bonds that another layout of the same part found overstretched, in time that grows with their number.
+  Broken lose(std::span<const LostBond<Dim>> lost, Kinematics kinematics);
+  /// True if `protect` keeps the bond along half arm `arm` of the site with window index `at`.
+  bool protects(std::ptrdiff_t at, std::size_t arm) const
+  {
+    return !no_fail_.empty() &&
+           (no_fail_[static_cast<std::size_t>(at)] || no_fail_[static_cast<std::size_t>(at + arms_[arm].jump)]);
+  }
   /// Appends s/s0 of what `break_bonds` would break, of the bonds that this rank counts.
   void overstretched(const Window& loaded, BreakRule rule, std::vector<double>& ratios) const;
   /// Remembers the bonds; `restore` goes back to those remembered last.
@@ -100,13 +121,21 @@ private:
   void write_shares(const Exists<Dim>& exists);
   void collect_halo();
   void find_traits();
-  void make_runs();
+  void make_runs() const;
+  const std::vector<Run>& fresh(const std::vector<Run>& runs) const
+  {
+    if (runs_stale_) make_runs();
+    return runs;
+  }
   std::size_t planes() const { return (arms_.size() + 63) / 64; }
   BondWords writable(Words& words) const { return {words[0].data(), words[1].data()}; }
   template <class Visit> static void for_each_loss(const Words& before, const Words& after, Visit&& visit);
   void note_losses();
+  void note_loss(std::ptrdiff_t i, std::size_t h);
   double surface_factor(std::ptrdiff_t i, std::ptrdiff_t j) const;
   double stretch(const Window& loaded, std::ptrdiff_t i, std::size_t h, Kinematics kinematics) const;
+  double stretch(const Vector<Dim>& eta, std::size_t h, Kinematics kinematics) const;
+  double energy_of(std::ptrdiff_t i, std::size_t h, double stretch) const;
   std::vector<double> bonded_volume_now() const;
   void remember_volume();
 
@@ -132,7 +161,9 @@ private:
   std::vector<double> share_;
   bool corrected_ = false;        // alike on every rank, also on those without particles
   std::vector<Index> local_rows_; // per window site: local row or -1
-  std::vector<Run> force_runs_, linear_runs_, segments_;
+  mutable std::vector<Run> force_runs_, linear_runs_;
+  mutable bool runs_stale_ = true; // made when they are asked for
+  std::vector<Run> segments_;
   std::vector<PetscInt> halo_rows_;
   std::vector<std::ptrdiff_t> halo_at_;
   SfHandle halo_sf_;
