@@ -124,7 +124,10 @@ void add_fracture(const SceneOptions& options, const PatchPlan& plan, Discretisa
   const couple::FractureOptions rule{d.critical_stretch, f.no_fail, f.release, f.release_share,
                                      options.bond_kinematics()};
   if (options.time.dynamic()) {
-    auto breaker = std::make_unique<couple::StepBreaker>(*d.bonds, d.carried, rule);
+    using Steps = couple::StepBreaker::Steps;
+    const bool strips = options.time.analysis == Analysis::explicit_dynamics;
+    auto breaker =
+        std::make_unique<couple::StepBreaker>(*d.bonds, d.carried, rule, strips ? Steps::in_strips : Steps::as_terms);
     d.breaker = breaker.get();
     d.system.after_step.push_back(std::move(breaker));
     return;
@@ -196,7 +199,10 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   d.node_field = std::make_unique<couple::NodeField>(mesh, d.node_rows, parts);
   system.bind(d.node_field->needed_rows());
   d.node_field->bind(*system.halo);
-  if (d.bonds) add_fracture(options, plan, d);
+  if (d.bonds) {
+    add_fracture(options, plan, d);
+    if (options.time.analysis == Analysis::explicit_dynamics && !d.breaker) d.bonds->step_explicitly({});
+  }
   if (assembled || !d.bonds || options.time.dynamic()) return result;
 
   couple::FineRows fine{d.node_rows, d.sets.get(), d.bonds->parts(), d.around};

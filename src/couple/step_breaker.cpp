@@ -3,20 +3,23 @@
 #include "pdx/base/events.hpp"
 
 namespace pdx::couple {
-StepBreaker::StepBreaker(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, const FractureOptions& options)
-    : bonds_(bonds), carried_(carried)
+StepBreaker::StepBreaker(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, const FractureOptions& options, Steps steps)
+    : bonds_(bonds), carried_(carried), steps_(steps)
 {
   for (const double stretch : options.critical_stretch) rules_.push_back({options.kinematics, stretch, nullptr});
   bonds_.protect(options.no_fail);
+  if (steps_ == Steps::in_strips) bonds_.step_explicitly(rules_);
   StepBreaker::save();
 }
 
 void StepBreaker::apply(std::span<const double> u)
 {
   static Event event("pd_break");
-  const Timed timed(event);
-  const auto& loaded = bonds_.load(u);
-  now_ += bonds_.break_bonds(loaded, rules_);
+  if (steps_ == Steps::as_terms) {
+    const Timed timed(event);
+    now_ += bonds_.break_bonds(bonds_.load(u), rules_);
+  } else if (bonds_.overstretched_seen())
+    now_ += bonds_.break_overstretched();
   if (carried_) now_ += carried_->break_bonds(u, rules_);
 }
 

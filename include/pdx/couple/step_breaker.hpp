@@ -8,8 +8,11 @@ namespace pdx::couple {
 /// travels: ranks judge shared bonds by the same arithmetic.
 class StepBreaker final : public field::AfterStep {
 public:
+  /// in_strips: the lattice bonds step explicitly from now on, and are looked at where their force saw one
+  /// overstretched. as_terms: they stay as they are, and all are looked at after each step (collective then).
+  enum class Steps { in_strips, as_terms };
   /// As for Fracture; `options.release` is not asked.
-  StepBreaker(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, const FractureOptions& options);
+  StepBreaker(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, const FractureOptions& options, Steps steps);
 
   void apply(std::span<const double> u) override;
   void save() override;
@@ -21,6 +24,7 @@ public:
 private:
   pd::BondTerm<2>& bonds_;
   CarriedBonds<2>* carried_;
+  Steps steps_;
   std::vector<pd::BreakRule> rules_;
   pd::Broken now_, saved_;
 };
