@@ -1,22 +1,11 @@
 #include "pdx/couple/carried_bonds.hpp"
 
 #include "pdx/base/events.hpp"
-#include "pdx/law/bond_force.hpp"
 
 #include <algorithm>
 #include <map>
 
 namespace pdx::couple {
-namespace {
-template <int Dim>
-law::BondState<Dim> state_of(const CarriedBond<Dim>& bond, double length, const Vector<Dim>& eta,
-                             pd::Kinematics kinematics)
-{
-  return kinematics == pd::Kinematics::finite ? law::finite_state<Dim>(bond.xi, length, eta)
-                                              : law::linear_state<Dim>(bond.xi, length, eta);
-}
-} // namespace
-
 /// Dense tangent of consecutive bonds that share their first point: one small matrix per insertion.
 template <int Dim> struct CarriedBonds<Dim>::Panel {
   std::vector<Index> rows;
@@ -44,7 +33,11 @@ CarriedBonds<Dim>::CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> poin
                                 pd::Kinematics kinematics, bool symmetric)
     : rows_(rows), points_(std::move(points)), bonds_(std::move(bonds)), kinematics_(kinematics), symmetric_(symmetric)
 {
-  for (const CarriedBond<Dim>& bond : bonds_) gone_.push_back(bond.cut);
+  for (const CarriedBond<Dim>& bond : bonds_) {
+    const double length = bond.xi.norm();
+    rest_.push_back({bond.xi / length, length});
+    gone_.push_back(bond.cut);
+  }
   saved_ = gone_;
 }
 
@@ -65,6 +58,17 @@ Vector<Dim> CarriedBonds<Dim>::stretch_vector(const CarriedBond<Dim>& bond, std:
   return eta;
 }
 
+/// At displacements d of the points.
+template <int Dim>
+law::BondState<Dim> CarriedBonds<Dim>::state_of(std::size_t number, std::span<const double> d,
+                                                pd::Kinematics kinematics) const
+{
+  const Rest& rest = rest_[number];
+  const Vector<Dim> eta = stretch_vector(bonds_[number], d);
+  if (kinematics == pd::Kinematics::finite) return law::finite_state<Dim>(bonds_[number].xi, rest.length, eta);
+  return {rest.along.dot(eta) / rest.length, rest.along, 0.0};
+}
+
 template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> u, std::span<double> r) const
 {
   static Event event("couple_force");
@@ -74,7 +78,7 @@ template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> 
   for (std::size_t number = 0; number < bonds_.size(); ++number) {
     if (gone_[number]) continue;
     const CarriedBond<Dim>& bond = bonds_[number];
-    const auto state = state_of<Dim>(bond, bond.xi.norm(), stretch_vector(bond, spread_), kinematics_);
+    const law::BondState<Dim> state = state_of(number, spread_, kinematics_);
     const Vector<Dim> force = bond.kappa * state.stretch * state.direction;
     for (std::size_t k = 0; k < Dim; ++k) {
       forces_[static_cast<std::size_t>(bond.force_a) * Dim + k] -= force[static_cast<Eigen::Index>(k)];
@@ -92,9 +96,7 @@ template <int Dim> double CarriedBonds<Dim>::energy(std::span<const double> u) c
   for (std::size_t number = 0; number < bonds_.size(); ++number) {
     const CarriedBond<Dim>& bond = bonds_[number];
     if (gone_[number] || !counted(bond)) continue;
-    const double length = bond.xi.norm();
-    const auto state = state_of<Dim>(bond, length, stretch_vector(bond, spread_), kinematics_);
-    total += law::bond_energy(bond.kappa, length, state.stretch);
+    total += law::bond_energy(bond.kappa, rest_[number].length, state_of(number, spread_, kinematics_).stretch);
   }
   return total;
 }
@@ -107,8 +109,8 @@ void CarriedBonds<Dim>::add_energy_density(std::span<const double> u, std::span<
     const CarriedBond<Dim>& bond = bonds_[number];
     const Index particle = points_.rows(bond.a).front();
     if (gone_[number] || bond.energy_share == 0.0 || particle >= rows_.owned()) continue;
-    const auto state = state_of<Dim>(bond, bond.xi.norm(), stretch_vector(bond, spread_), kinematics_);
-    density[static_cast<std::size_t>(particle)] += 0.5 * law::bond_energy(bond.kappa, bond.energy_share, state.stretch);
+    const double stretch = state_of(number, spread_, kinematics_).stretch;
+    density[static_cast<std::size_t>(particle)] += 0.5 * law::bond_energy(bond.kappa, bond.energy_share, stretch);
   }
 }
 
@@ -162,11 +164,10 @@ template <int Dim> void CarriedBonds<Dim>::add_jacobian(field::BlockAdder& adder
     for (std::size_t k = begin; k < end; ++k) {
       if (gone_[k]) continue;
       const CarriedBond<Dim>& bond = bonds_[k];
-      const double length = bond.xi.norm();
-      Vector<Dim> eta = Vector<Dim>::Zero();
-      if (kinematics_ == pd::Kinematics::finite) eta = stretch_vector(bond, state_);
-      const Tensor<Dim> stiffness =
-          law::bond_stiffness<Dim>(bond.kappa, length, state_of<Dim>(bond, length, eta, kinematics_));
+      const law::BondState<Dim> state = kinematics_ == pd::Kinematics::finite
+                                            ? state_of(k, state_, kinematics_)
+                                            : law::BondState<Dim>{0.0, rest_[k].along, 0.0};
+      const Tensor<Dim> stiffness = law::bond_stiffness<Dim>(bond.kappa, rest_[k].length, state);
       for (const auto& [force_point, force_sign] : {std::pair{bond.force_a, -1.0}, std::pair{bond.force_b, 1.0}})
         for (std::size_t f = 0; f < points_.rows(force_point).size(); ++f)
           for (const auto& [point, sign] : {std::pair{bond.a, -1.0}, std::pair{bond.b, 1.0}})
@@ -184,9 +185,8 @@ template <int Dim> void CarriedBonds<Dim>::add_stiffness_bound(std::span<double>
   for (std::size_t number = 0; number < bonds_.size(); ++number) {
     if (gone_[number]) continue;
     const CarriedBond<Dim>& bond = bonds_[number];
-    const double length = bond.xi.norm();
-    const auto rest = law::linear_state<Dim>(bond.xi, length, Vector<Dim>::Zero());
-    const Tensor<Dim> stiffness = law::bond_stiffness<Dim>(bond.kappa, length, rest);
+    const auto& [along, length] = rest_[number];
+    const Tensor<Dim> stiffness = bond.kappa / length * along * along.transpose();
     for (const Index point : {bond.a, bond.b}) {
       const std::span<const double> weights = points_.tied_weights(point);
       double sum = 0.0;
@@ -211,7 +211,7 @@ void CarriedBonds<Dim>::for_each_overstretched(std::span<const double> u, std::s
     const CarriedBond<Dim>& bond = bonds_[number];
     if (gone_[number] || bond.no_fail) continue;
     const pd::BreakRule& rule = rules[static_cast<std::size_t>(bond.patch)];
-    const double s = state_of<Dim>(bond, bond.xi.norm(), stretch_vector(bond, spread_), rule.kinematics).stretch;
+    const double s = state_of(number, spread_, rule.kinematics).stretch;
     if (s > rule.critical_stretch) visit(number, s);
   }
 }
@@ -224,7 +224,7 @@ pd::Broken CarriedBonds<Dim>::break_bonds(std::span<const double> u, std::span<c
     const CarriedBond<Dim>& bond = bonds_[number];
     gone_[number] = 1;
     ++revision_;
-    if (counted(bond)) broken += {1, law::bond_energy(bond.kappa, bond.xi.norm(), stretch)};
+    if (counted(bond)) broken += {1, law::bond_energy(bond.kappa, rest_[number].length, stretch)};
   });
   return broken;
 }

@@ -69,20 +69,21 @@ void ElasticTerm::sort_out_free_cells()
 {
   free_.clear();
   border_.clear();
-  if (stiffness_.size() > kMostShapes || stiffness_.empty()) {
-    border_ = cells_;
-    return;
-  }
-  for (const ElementMatrix& k : stiffness_) {
+  border_at_.clear();
+  const bool assembled = stiffness_.size() > kMostShapes || stiffness_.empty();
+  for (std::size_t shape = 0; !assembled && shape < stiffness_.size(); ++shape) {
+    const ElementMatrix& k = stiffness_[shape];
     free_.push_back({k, k, {}});
     for (int a = 0; a < 4; ++a) free_.back().off_diagonal.block<2, 2>(2 * a, 2 * a).setZero();
   }
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     const CellRows rows = rows_of(cells_[k]);
-    if (std::ranges::all_of(rows, [&](Index row) { return row < owned_rows_; }))
+    if (!assembled && std::ranges::all_of(rows, [&](Index row) { return row < owned_rows_; })) {
       free_[static_cast<std::size_t>(shape_[k])].rows.push_back(rows);
-    else
+    } else {
       border_.push_back(cells_[k]);
+      border_at_.push_back(k);
+    }
   }
 }
 
@@ -107,21 +108,25 @@ void ElasticTerm::add_residual(std::span<const double> u, std::span<double> r) c
 {
   static Event event("fe_residual");
   const Timed timed(event);
-  const bool small = body_.kinematics == Kinematics::small;
-  for (std::size_t k = 0; k < cells_.size(); ++k) {
-    const CellRows rows = rows_of(cells_[k]);
-    const ElementVector d = displacement_of(rows, u);
-    ElementVector force;
-    if (small)
-      force.noalias() = stiffness_of(k) * d;
-    else
-      force = element_force(body_.mesh.corners(cells_[k]), d, body_.law, body_.kinematics);
-    for (std::size_t a = 0; a < 4; ++a) {
-      if (rows[a] >= owned_rows_) continue;
-      const auto at = 2 * static_cast<std::size_t>(rows[a]);
-      r[at] += force[static_cast<Index>(2 * a)];
-      r[at + 1] += force[static_cast<Index>(2 * a + 1)];
-    }
+  for (const FreeCells& shape : free_)
+    add_element_action(std::span<const double, 64>(shape.stiffness.data(), 64), shape.rows, u.data(), r.data());
+  for (const std::size_t k : border_at_) add_border_force(k, u, r);
+}
+
+void ElasticTerm::add_border_force(std::size_t k, std::span<const double> u, std::span<double> r) const
+{
+  const CellRows rows = rows_of(cells_[k]);
+  const ElementVector d = displacement_of(rows, u);
+  ElementVector force;
+  if (body_.kinematics == Kinematics::small)
+    force.noalias() = stiffness_of(k) * d;
+  else
+    force = element_force(body_.mesh.corners(cells_[k]), d, body_.law, body_.kinematics);
+  for (std::size_t a = 0; a < 4; ++a) {
+    if (rows[a] >= owned_rows_) continue;
+    const auto at = 2 * static_cast<std::size_t>(rows[a]);
+    r[at] += force[static_cast<Index>(2 * a)];
+    r[at + 1] += force[static_cast<Index>(2 * a + 1)];
   }
 }
 

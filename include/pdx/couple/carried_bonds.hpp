@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/couple/carried_points.hpp"
 #include "pdx/field/term.hpp"
+#include "pdx/law/bond_force.hpp"
 #include "pdx/pd/breaker.hpp"
 #include "pdx/pd/damage.hpp"
 
@@ -65,6 +66,12 @@ public:
 
 private:
   struct Panel;
+  /// A bond's reference vector, taken apart once.
+  struct Rest {
+    Vector<Dim> along; ///< unit vector
+    double length;     ///< [m]
+  };
+  law::BondState<Dim> state_of(std::size_t number, std::span<const double> d, pd::Kinematics kinematics) const;
   bool counted(const CarriedBond<Dim>& bond) const { return points_.rows(bond.a).front() < rows_.owned(); }
   /// Calls visit(number, stretch) for the intact bonds that a rule breaks at u.
   template <class Visit>
@@ -75,6 +82,7 @@ private:
   field::Rows rows_;
   CarriedPoints<Dim> points_;
   std::vector<CarriedBond<Dim>> bonds_;
+  std::vector<Rest> rest_;                 // per bond
   std::vector<std::uint8_t> gone_, saved_; // per bond: cut or broken
   std::int64_t revision_ = 0;              // of gone_
   pd::Kinematics kinematics_;

@@ -22,7 +22,8 @@ public:
   void add_tangent_action(std::span<const double> x, std::span<double> y) const override;
   bool constant_jacobian() const override { return body_.kinematics == Kinematics::small; }
   void add_mass(std::span<double> mass) const override;
-  /// Each element by the largest eigenvalue of its stiffness over its lumped mass, which is sharp on a uniform mesh.
+  /// Each element by the largest eigenvalue of its stiffness over its lumped mass: elements alone in space would be
+  /// that stiff. In a uniform plate the step comes out 13 to 15 % short.
   void add_stiffness_bound(std::span<double> blocks) const override;
 
 private:
@@ -32,6 +33,7 @@ private:
   const ElementMatrix& stiffness_of(std::size_t k) const { return stiffness_[static_cast<std::size_t>(shape_[k])]; }
   void keep_stiffness();
   void sort_out_free_cells();
+  void add_border_force(std::size_t k, std::span<const double> u, std::span<double> r) const;
   void add_free_diagonal(field::BlockAdder& adder) const;
 
   /// Cells of one shape that need no matrix.
@@ -51,6 +53,7 @@ private:
   std::vector<double> node_displacement_; ///< 2 per local vertex, at the last linearisation (finite only) [m]
   std::vector<FreeCells> free_;           ///< by shape
   std::vector<Index> border_;             ///< cells that are not free
+  std::vector<std::size_t> border_at_;    ///< their entries of cells_
   Index owned_rows_ = 0;
 };
 } // namespace pdx::fem

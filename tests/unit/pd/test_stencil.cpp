@@ -215,4 +215,17 @@ TEST(Stencil, RefusesTwoThicknesses)
   o.thickness = 1.0;
   EXPECT_THROW(pd::make_stencil<2>(o), UserError);
 }
+
+/// In units of dx / c_L [dispersion study].
+TEST(Stencil, KnowsThePapersStep)
+{
+  const auto step = [](double ratio, Micromodulus shape) {
+    auto o = options<2>(ratio, shape, Calibration::continuum);
+    o.elastic.density = 2450.0;
+    return pd::papers_step(pd::make_stencil<2>(o)) * std::sqrt(o.elastic.c11() / o.elastic.density) / kDx;
+  };
+  EXPECT_NEAR(step(3.0, Micromodulus::conical), 0.957, 1e-3);
+  EXPECT_NEAR(step(4.0, Micromodulus::conical), 1.190, 1e-3);
+  EXPECT_NEAR(step(6.0, Micromodulus::conical), 1.677, 1e-3);
+}
 } // namespace
