@@ -75,10 +75,13 @@ template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> 
   Timed timed(event);
   points_.spread(u, spread_);
   forces_.assign(spread_.size(), 0.0);
+  overstretched_seen_ = false;
   for (std::size_t number = 0; number < bonds_.size(); ++number) {
     if (gone_[number]) continue;
     const CarriedBond<Dim>& bond = bonds_[number];
     const law::BondState<Dim> state = state_of(number, spread_, kinematics_);
+    if (!limits_.empty() && !bond.no_fail && state.stretch > limits_[static_cast<std::size_t>(bond.patch)])
+      overstretched_seen_ = true;
     const Vector<Dim> force = bond.kappa * state.stretch * state.direction;
     for (std::size_t k = 0; k < Dim; ++k) {
       forces_[static_cast<std::size_t>(bond.force_a) * Dim + k] -= force[static_cast<Eigen::Index>(k)];
@@ -227,6 +230,12 @@ pd::Broken CarriedBonds<Dim>::break_bonds(std::span<const double> u, std::span<c
     if (counted(bond)) broken += {1, law::bond_energy(bond.kappa, rest_[number].length, stretch)};
   });
   return broken;
+}
+
+template <int Dim> void CarriedBonds<Dim>::watch(std::span<const pd::BreakRule> rules)
+{
+  limits_.clear();
+  for (const pd::BreakRule& rule : rules) limits_.push_back(rule.critical_stretch);
 }
 
 template <int Dim>

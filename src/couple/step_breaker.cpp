@@ -9,6 +9,7 @@ StepBreaker::StepBreaker(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, const
   for (const double stretch : options.critical_stretch) rules_.push_back({options.kinematics, stretch, nullptr});
   bonds_.protect(options.no_fail);
   if (steps_ == Steps::in_strips) bonds_.step_explicitly(rules_);
+  if (carried_) carried_->watch(rules_);
   StepBreaker::save();
 }
 
@@ -20,7 +21,7 @@ void StepBreaker::apply(std::span<const double> u)
     now_ += bonds_.break_bonds(bonds_.load(u), rules_);
   } else if (bonds_.overstretched_seen())
     now_ += bonds_.break_overstretched();
-  if (carried_) now_ += carried_->break_bonds(u, rules_);
+  if (carried_ && carried_->overstretched_seen()) now_ += carried_->break_bonds(u, rules_);
 }
 
 void StepBreaker::save()

@@ -47,6 +47,9 @@ public:
   /// Breaks all bonds with s > s0 at displacement u (local blocks [owned | halo]). Ranks that hold the same bond judge
   /// it alike. @param rules one per patch   @return what this rank counts, as in `energy`
   pd::Broken break_bonds(std::span<const double> u, std::span<const pd::BreakRule> rules);
+  /// From now on `add_residual` looks for bonds that these rules would break at its displacement.
+  void watch(std::span<const pd::BreakRule> rules);
+  bool overstretched_seen() const { return overstretched_seen_; } ///< by the last `add_residual`, on this rank
   /// Appends s/s0 of the bonds that `break_bonds` would break and this rank counts.
   void overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules,
                      std::vector<double>& ratios) const;
@@ -87,7 +90,9 @@ private:
   std::int64_t revision_ = 0;              // of gone_
   pd::Kinematics kinematics_;
   bool symmetric_;
-  std::vector<double> state_; // displacement of the points at the last linearisation
+  std::vector<double> state_;  // displacement of the points at the last linearisation
+  std::vector<double> limits_; // per patch, of the stretch; empty: nobody watches [-]
+  mutable bool overstretched_seen_ = false;
   mutable std::vector<double> spread_, forces_;
 };
 } // namespace pdx::couple
