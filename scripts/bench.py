@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Measures the static solver: speed as ratios within one run, and run time against error.
+"""Measures the solvers: speed as ratios within one run, and run time against error.
 
 usage: bench.py [--executable build/release/pdxsolve] [--rounds 5] [--out out/bench] [--only PART,PART]
 Parts without cracks: speed, size, ranks, pareto. With cracks: coupled and direct (coupled against particles only, default
 and direct solver), run (dcb row 3), sequence (a crack that grows from solve to solve), notch_pareto,
-beam_pareto.
+beam_pareto. In time: kernels (of bonds), program (whole runs, one and two ranks).
 The two sides of a ratio run in turn, round after round; the quoted numbers are medians. One-rank runs are pinned to a
 core. Writes bench.json, table.md and pictures into the output directory.
 """
@@ -17,6 +17,7 @@ import fields
 import numpy as np
 from bench_fracture import FractureBench
 from bench_machine import ROOT
+from bench_motion import MotionBench
 
 LENGTH = 5e-3  # side of the plate [m]
 PLATE = ["-mesh_lower", "0,0", "-mesh_upper", f"{LENGTH},{LENGTH}", "-material_young", "1e9", "-material_poisson",
@@ -41,7 +42,7 @@ def particles(count, cells=None):
     return scene + (["-mesh_cells", f"{cells[0]},{cells[1]}"] if cells else [])
 
 
-class StaticBench(FractureBench):
+class AllBench(FractureBench, MotionBench):
     def speed(self):
         """Default solver against the assembled matrix under CG and BoomerAMG, assembly and set-up included."""
         scenes = {"coarse plate, h = 2 dx": (coupled(100, 2), 3.0, None), "fine plate, h = 5 dx": (coupled(100, 5), 9.0, None),
@@ -123,11 +124,12 @@ def main():
     parser.add_argument("--executable", default=ROOT / "build/release/pdxsolve")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/bench")
-    parser.add_argument("--only", default="speed,size,ranks,pareto,coupled,direct,run,sequence,notch_pareto,beam_pareto")
+    parser.add_argument("--only", default="speed,size,ranks,pareto,coupled,direct,run,sequence,notch_pareto,beam_pareto,"
+                        "kernels,program")
     parser.add_argument("--package", default="cholmod", help="direct: -pc_factor_mat_solver_type of both sides")
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
-    bench = StaticBench(arguments.executable, arguments.rounds, arguments.out)
+    bench = AllBench(arguments.executable, arguments.rounds, arguments.out)
     bench.package = arguments.package
     for part in arguments.only.split(","):
         getattr(bench, {"run": "whole_run"}.get(part, part))()
