@@ -9,6 +9,7 @@ void TimeRecorder::built(const Standing& scene)
 {
   files_.built(scene);
   d_ = scene.d;
+  cracks_ = CrackWatch::make(files_);
   if (!files_.options.output.history) return;
   std::vector<io::Column> columns{{"step", "-"},
                                   {"time", "s"},
@@ -21,6 +22,7 @@ void TimeRecorder::built(const Standing& scene)
                                   {"work", "J"},
                                   {"energy_residual", "J"}};
   if (d_->breaker) columns.insert(columns.end(), {{"energy_fracture", "J"}, {"bonds_broken", "-"}});
+  if (cracks_) CrackWatch::columns(columns);
   files_.add_reaction_columns(columns);
   files_.open_history(columns);
 }
@@ -33,6 +35,7 @@ void TimeRecorder::started(const solve::TimeDriver& driver, const StepLimits& li
   files_.progress.line(fmt::format(
       "{} steps of {:.4g} s; stable limit {:.4g} s{}", driver.expected_steps(), driver.step_length(), limits.rigorous,
       limits.papers > 0.0 ? fmt::format(", the papers' Eq. 26 {:.4g} s", limits.papers) : ""));
+  if (cracks_) cracks_->look(driver.time(), 0);
   begin_ = MPI_Wtime();
 }
 
@@ -76,6 +79,7 @@ void TimeRecorder::look(const solve::TimeDriver& driver)
     MPI_Allreduce(MPI_IN_PLACE, &broken_.bonds, 1, MPI_INT64_T, MPI_SUM, files_.comm());
     broken_.energy = e.stored.dissipated;
     files_.summary.bonds_broken = broken_.bonds;
+    if (cracks_) cracks_->look(driver.time(), broken_.bonds);
   }
   largest_energy_ = std::max(largest_energy_, e.initial + e.work);
   largest_residual_ = std::max(largest_residual_, std::abs(e.residual()));
@@ -95,6 +99,7 @@ void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEn
                           e.work,
                           e.residual()};
   if (d_->breaker) row.insert(row.end(), {e.stored.dissipated, static_cast<double>(broken_.bonds)});
+  if (cracks_) cracks_->row(row);
   const std::vector<double> reactions = files_.reactions(held_forces(driver));
   row.insert(row.end(), reactions.begin(), reactions.end());
   files_.history->row(row);
@@ -137,6 +142,10 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver)
   if (d_->breaker) {
     results["fracture_energy"] = e.stored.dissipated;
     results["critical_stretch"] = d_->critical_stretch;
+  }
+  if (cracks_) {
+    cracks_->write_results(results);
+    cracks_->write_paths();
   }
   if (largest_energy_ > 0.0) {
     results["energy_drift_ratio"] = largest_residual_ / largest_energy_;

@@ -1,5 +1,5 @@
 #pragma once
-#include "pdx/app/run_files.hpp"
+#include "pdx/app/crack_watch.hpp"
 #include "pdx/solve/time_driver.hpp"
 
 namespace pdx::app {
@@ -41,6 +41,7 @@ private:
 
   RunFiles& files_;
   const Discretisation* d_ = nullptr;
+  std::unique_ptr<CrackWatch> cracks_; // null where no crack can grow from a given tip
   StepLimits limits_;
   pd::Broken broken_;             // of all ranks, at the last look
   double largest_energy_ = 0.0;   // put in so far, at any look [J]

@@ -1,0 +1,96 @@
+#pragma once
+#include "pdx/base/tensor.hpp"
+#include "pdx/geom/lattice.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+namespace pdx::post {
+/// A particle that damage has reached, and when.
+struct Arrival {
+  Index patch = 0, site = 0;
+  double time = 0.0; ///< [s]
+};
+
+/// Where a crack grows from: a tip that was given.
+struct CrackStart {
+  Vector<2> at = Vector<2>::Zero();         ///< [m]
+  Vector<2> direction = Vector<2>::UnitX(); ///< unit vector, straight on
+};
+
+/// A patch as the tree sees it.
+struct TreeGround {
+  geom::Lattice<2> lattice;
+  double horizon = 0.0; ///< [m]
+};
+
+/// When damage came by, and where.
+struct PathPoint {
+  double time = 0.0;                ///< [s]
+  Vector<2> at = Vector<2>::Zero(); ///< [m]
+};
+
+/// A tip as it is now. The path begins at the start, or for a branch too: paths of branches share their beginning.
+struct GrownTip {
+  std::size_t start = 0;       ///< number of the start it grew from
+  double length = 0.0;         ///< grown, along the path from the start; 0 if it did not grow [m]
+  double own = 0.0;            ///< the same, from where it left a longer branch [m]
+  std::vector<PathPoint> path; ///< from the start to the tip; empty if it did not grow
+  Vector<2> at = Vector<2>::Zero();
+  std::optional<PathPoint> branched; ///< where it left a longer branch
+};
+
+/// The cracks that grow from given starts, as a tree over the particles that damage has reached, in order of time. Each
+/// particle knows how far from its start it is, along a chain of damaged neighbours. Tips are those farther than all
+/// others around: a shorter branch counts once it goes two horizons beyond where it and a longer one part. Damage that
+/// hangs together with no start is kept aside until it does.
+class CrackTree {
+public:
+  /// Starts outside all patches stay where they are.
+  CrackTree(std::vector<CrackStart> starts, std::vector<TreeGround> grounds);
+
+  /// Particles that were not added before, in any order, none earlier than the last ones by more than a look.
+  void add(std::vector<Arrival> arrivals);
+  std::span<const Arrival> arrivals() const { return arrivals_; } ///< all that were added
+
+  std::vector<GrownTip> tips() const; ///< of each start the longest first, at least one
+  /// Two horizons of the patch that a start is in, 0 outside: over which speeds are taken. [m]
+  double span(std::size_t start) const;
+  /// When damage first was next to a start; none if nothing grew. [s]
+  std::optional<double> start_time() const { return start_time_; }
+
+private:
+  struct Point {
+    Vector<2> at;
+    double time = 0.0;
+    double distance = 0.0; ///< from the start, along the chain [m]
+    int start = -1, parent = -1;
+    std::vector<int> near; ///< damaged neighbours
+  };
+  std::uint64_t key(Index patch, Index site) const;
+  int insert(const Arrival& arrival);
+  void seed(Point& point, const TreeGround& ground);
+  void link(std::vector<int> open);
+  std::vector<int> farthest_first(int start) const;
+  std::vector<GrownTip> tips_of(int start) const;
+  GrownTip tip_at(int point) const;
+
+  std::vector<CrackStart> starts_;
+  std::vector<int> start_ground_; // patch of each start, -1 outside
+  std::vector<TreeGround> grounds_;
+  std::vector<Arrival> arrivals_;
+  std::vector<Point> points_; // in order of arrivals_
+  std::vector<int> loose_;    // points that hang together with no start
+  std::unordered_map<std::uint64_t, int> point_of_;
+  std::optional<double> start_time_;
+};
+
+/// Speed of a tip: the slope of its way over time, least squares over the last two horizons of the path, so that jumps
+/// from particle to particle average out; 0 before it has grown as far. A tip that waits for longer than a look slows
+/// down to what it would have if it went on now.
+/// @param span two horizons [m]  @param now, look: time, and time between looks [s]
+double tip_speed(const GrownTip& tip, double span, double now, double look);
+} // namespace pdx::post

@@ -1,0 +1,122 @@
+#include "pdx/app/crack_watch.hpp"
+
+#include "pdx/app/crack_results.hpp"
+#include "pdx/law/waves.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+namespace pdx::app {
+namespace {
+std::vector<post::TreeGround> grounds_of(const PatchPlan& plan)
+{
+  std::vector<post::TreeGround> grounds;
+  for (std::size_t p = 0; p < plan.shapes.size(); ++p)
+    grounds.push_back({plan.shapes[p].lattice, plan.stencils[p].horizon});
+  return grounds;
+}
+
+/// From the crack's direction to the way from its old tip to the new one; left is positive.
+double angle_degrees(const crack::Tip& from, const Vector<2>& to)
+{
+  const Vector<2> way = to - from.at;
+  const double across = from.direction.x() * way.y() - from.direction.y() * way.x();
+  return std::atan2(across, from.direction.dot(way)) * 180.0 / std::numbers::pi;
+}
+
+nlohmann::ordered_json describe(const post::GrownTip& tip, const crack::Tip& from)
+{
+  nlohmann::ordered_json entry;
+  entry["start"] = {from.at[0], from.at[1]};
+  entry["at"] = {tip.at[0], tip.at[1]};
+  entry["grown"] = tip.length;
+  if (tip.path.empty()) return entry;
+  entry["angle_degrees"] = angle_degrees(from, tip.at);
+  entry["arrived"] = tip.path.back().time;
+  if (tip.branched) {
+    entry["branch_time"] = tip.branched->time;
+    entry["branch_point"] = {tip.branched->at[0], tip.branched->at[1]};
+  }
+  return entry;
+}
+} // namespace
+
+CrackWatch::CrackWatch(const RunFiles& files)
+    : files_(files),
+      tracker_(files.comm(), files.scene.d->cracks.tips(), grounds_of(*files.scene.plan), files.options.post.tip_damage)
+{
+  const Discretisation& d = *files.scene.d;
+  for (int k = 0; k < d.cracks.size(); ++k) given_ += length_inside(d, k);
+}
+
+std::unique_ptr<CrackWatch> CrackWatch::make(const RunFiles& files)
+{
+  const Discretisation& d = *files.scene.d;
+  if (!d.breaker) return nullptr;
+  std::unique_ptr<CrackWatch> watch(new CrackWatch(files));
+  for (std::size_t t = 0; t < d.cracks.tips().size(); ++t)
+    if (watch->tracker_.tree().span(t) > 0.0) return watch;
+  return nullptr;
+}
+
+void CrackWatch::columns(std::vector<io::Column>& columns)
+{
+  columns.insert(columns.end(), {{"crack_length", "m"}, {"crack_speed", "m/s"}, {"crack_tips", "-"}});
+}
+
+void CrackWatch::row(std::vector<double>& row) const
+{
+  const post::CrackNow& now = tracker_.now();
+  row.insert(row.end(), {given_ + now.grown, now.speed, static_cast<double>(now.tips)});
+}
+
+void CrackWatch::look(double time, std::int64_t bonds_broken)
+{
+  if (bonds_broken == broken_) return tracker_.nothing_new(time);
+  broken_ = bonds_broken;
+  const Discretisation& d = *files_.scene.d;
+  couple::ParticleDamage damage = couple::particle_damage(d.system.rows, *d.bonds, d.carried);
+  for (std::size_t k = 0; k < damage.damage.size(); ++k) damage.damage[k] += damage.precrack[k];
+  tracker_.look(time, d.particles, damage.damage);
+}
+
+void CrackWatch::write_results(nlohmann::ordered_json& results) const
+{
+  const std::span<const crack::Tip> given = files_.scene.d->cracks.tips();
+  const post::CrackTree& tree = tracker_.tree();
+  const double limit = law::rayleigh_speed(files_.options.elastic);
+  nlohmann::ordered_json table = nlohmann::ordered_json::array();
+  const post::GrownTip* longest = nullptr;
+  const post::PathPoint* branch = nullptr;
+  const std::vector<post::GrownTip> tips = tree.tips();
+  for (const post::GrownTip& tip : tips) {
+    results["crack_tips"].push_back({tip.at[0], tip.at[1]});
+    table.push_back(describe(tip, given[tip.start]));
+    if (!tip.path.empty() && (!longest || tip.length > longest->length)) longest = &tip;
+    if (tip.branched && (!branch || tip.branched->time < branch->time)) branch = &*tip.branched;
+  }
+  results["crack_length"] = given_ + tracker_.now().grown;
+  if (const auto start = tree.start_time()) results["crack_start_time"] = *start;
+  if (longest) results["crack_angle_degrees"] = angle_degrees(given[longest->start], longest->at);
+  if (branch) {
+    results["branch_time"] = branch->time;
+    results["branch_point"] = {branch->at[0], branch->at[1]};
+  }
+  results["rayleigh_speed"] = limit;
+  results["max_crack_speed"] = tracker_.largest_speed();
+  results["max_crack_speed_ratio"] = tracker_.largest_speed() / limit;
+  results["tips"] = table;
+}
+
+void CrackWatch::write_paths() const
+{
+  const std::vector<post::GrownTip> tips = tracker_.tree().tips();
+  io::Curve curve(files_.comm(), std::filesystem::path(files_.options.output.directory) / "crack_path.csv",
+                  {{"tip", "-"}, {"time", "s"}, {"x", "m"}, {"y", "m"}});
+  for (std::size_t t = 0; t < tips.size(); ++t)
+    for (const post::PathPoint& point : tips[t].path)
+      curve.row(std::vector<double>{static_cast<double>(t + 1), point.time, point.at[0], point.at[1]});
+}
+} // namespace pdx::app

@@ -1,0 +1,54 @@
+#include "pdx/post/crack_tracker.hpp"
+
+#include "pdx/base/gather.hpp"
+
+#include <algorithm>
+
+namespace pdx::post {
+namespace {
+std::vector<CrackStart> starts_of(std::span<const crack::Tip> tips)
+{
+  std::vector<CrackStart> starts;
+  for (const crack::Tip& tip : tips) starts.push_back({tip.at, tip.direction});
+  return starts;
+}
+} // namespace
+
+CrackTracker::CrackTracker(MPI_Comm comm, std::span<const crack::Tip> tips, std::vector<TreeGround> grounds,
+                           double threshold)
+    : comm_(comm), threshold_(threshold), tree_(starts_of(tips), std::move(grounds))
+{
+  tips_ = tree_.tips();
+  now_.tips = static_cast<int>(tips_.size());
+}
+
+void CrackTracker::look(double time, std::span<const pd::Particle> particles, std::span<const double> damage)
+{
+  std::vector<Arrival> mine;
+  for (std::size_t k = 0; k < before_.size(); ++k) {
+    if (damage[k] < threshold_ || before_[k] >= threshold_) continue;
+    const double share = (threshold_ - before_[k]) / (damage[k] - before_[k]);
+    mine.push_back({particles[k].patch, particles[k].site, time_ + share * (time - time_)});
+  }
+  before_.assign(damage.begin(), damage.end());
+  std::vector<Arrival> all = gather_all(comm_, mine);
+  if (!all.empty()) {
+    tree_.add(std::move(all));
+    tips_ = tree_.tips();
+  }
+  judge(time);
+}
+
+void CrackTracker::nothing_new(double time) { judge(time); }
+
+void CrackTracker::judge(double time)
+{
+  now_ = {0.0, 0.0, static_cast<int>(tips_.size())};
+  for (const GrownTip& tip : tips_) {
+    now_.grown += tip.own;
+    now_.speed = std::max(now_.speed, tip_speed(tip, tree_.span(tip.start), time, time - time_));
+  }
+  largest_speed_ = std::max(largest_speed_, now_.speed);
+  time_ = time;
+}
+} // namespace pdx::post

@@ -1,0 +1,144 @@
+#include "pdx/post/crack_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <set>
+
+using namespace pdx;
+using post::Arrival;
+using post::CrackTree;
+using post::GrownTip;
+
+namespace {
+// Sites at half numbers; horizon 3, so that branches and speeds need 6.
+const geom::Lattice<2> kLattice{{0.0, -20.0}, 1.0, {80, 40}};
+constexpr double kSpeed = 4.0;
+
+/// Damage that runs along straight lines, a band of half-width 1 around each.
+class Runner {
+public:
+  explicit Runner(std::vector<post::CrackStart> starts) : tree(std::move(starts), {{kLattice, 3.0}}) {}
+
+  /// Arrivals around the way from a to b, at times by the way done, and by look of one unit of time.
+  Runner& along(const Vector<2>& a, const Vector<2>& b, double begin, double speed = kSpeed)
+  {
+    const Vector<2> way = (b - a).normalized();
+    const double length = (b - a).norm();
+    for (Index site = 0; site < static_cast<Index>(kLattice.total()); ++site) {
+      const Vector<2> from = kLattice.point(kLattice.site(site)) - a;
+      const double on = way.dot(from), beside = std::abs(way.x() * from.y() - way.y() * from.x());
+      if (on < 0.0 || on > length || beside > 1.0 || !seen_.insert(site).second) continue;
+      waiting_.push_back({0, site, begin + on / speed});
+    }
+    return *this;
+  }
+  Runner& arrive()
+  {
+    std::ranges::sort(waiting_, {}, &Arrival::time);
+    for (double look = 1.0; !waiting_.empty(); look += 1.0) {
+      const auto later = std::ranges::find_if(waiting_, [&](const Arrival& a) { return a.time > look; });
+      tree.add({waiting_.begin(), later});
+      waiting_.erase(waiting_.begin(), later);
+    }
+    return *this;
+  }
+  CrackTree tree;
+
+private:
+  std::vector<Arrival> waiting_;
+  std::set<Index> seen_;
+};
+
+double slope(const Vector<2>& v) { return std::atan2(v.y(), v.x()); }
+} // namespace
+
+TEST(CrackTree, CrackThatStaysHasItsTipWhereItWas)
+{
+  const CrackTree tree({{{10.0, 0.0}, {1.0, 0.0}}}, {{kLattice, 3.0}});
+  const auto tips = tree.tips();
+  ASSERT_EQ(tips.size(), 1u);
+  EXPECT_EQ(tips[0].at, Vector<2>(10.0, 0.0));
+  EXPECT_EQ(tips[0].length, 0.0);
+  EXPECT_FALSE(tree.start_time());
+}
+
+TEST(CrackTree, StraightCrackBetweenTwoRows)
+{
+  Runner run({{{10.0, 0.0}, {1.0, 0.0}}});
+  run.along({10.0, 0.0}, {40.0, 0.0}, 2.0).arrive();
+  const auto tips = run.tree.tips();
+  ASSERT_EQ(tips.size(), 1u);
+  EXPECT_NEAR(tips[0].at.x(), 39.5, 1e-12);
+  EXPECT_NEAR(tips[0].at.y(), 0.0, 1e-12);
+  EXPECT_NEAR(tips[0].length, 29.5, 0.1); // within the start's circle: as the crow flies
+  EXPECT_NEAR(*run.tree.start_time(), 2.0 + 0.5 / kSpeed, 1e-12);
+  EXPECT_NEAR(post::tip_speed(tips[0], 6.0, 10.0, 1.0), kSpeed, 1e-12);
+}
+
+TEST(CrackTree, SlantedCrackHasItsAngleLengthAndSpeed)
+{
+  const Vector<2> way(std::cos(1.1), std::sin(1.1));
+  Runner run({{{10.0, -15.0}, {1.0, 0.0}}});
+  run.along({10.0, -15.0}, Vector<2>(10.0, -15.0) + 30.0 * way, 0.0).arrive();
+  const auto tips = run.tree.tips();
+  ASSERT_EQ(tips.size(), 1u);
+  EXPECT_NEAR(slope(tips[0].at - Vector<2>(10.0, -15.0)), 1.1, 0.04);
+  EXPECT_NEAR(tips[0].length, 30.0, 1.2); // chains of lattice steps are up to 3 % longer
+  EXPECT_NEAR(post::tip_speed(tips[0], 6.0, 7.5, 1.0), kSpeed, 0.02 * kSpeed);
+}
+
+TEST(CrackTree, BranchesAreTwoTipsThatPartWhereTheyDid)
+{
+  const Vector<2> fork(30.0, 0.0), up(50.0, 12.0), down(47.5, -10.5);
+  Runner run({{{10.0, 0.0}, {1.0, 0.0}}});
+  run.along({10.0, 0.0}, fork, 0.0).along(fork, up, 20.0 / kSpeed).along(fork, down, 20.0 / kSpeed).arrive();
+  const auto tips = run.tree.tips();
+  ASSERT_EQ(tips.size(), 2u);
+  EXPECT_NEAR((tips[0].at - up).norm(), 0.0, 1.5);
+  EXPECT_NEAR((tips[1].at - down).norm(), 0.0, 1.5);
+  EXPECT_FALSE(tips[0].branched);
+  ASSERT_TRUE(tips[1].branched);
+  EXPECT_NEAR((tips[1].branched->at - fork).norm(), 0.0, 4.0);
+  EXPECT_NEAR(tips[1].branched->time, 5.0, 1.0);
+  EXPECT_NEAR(tips[1].own, 20.4, 4.0);
+  EXPECT_NEAR(tips[1].length, 20.0 + 20.4, 1.5);
+}
+
+TEST(CrackTree, ShortSideBranchIsNone)
+{
+  Runner run({{{10.0, 0.0}, {1.0, 0.0}}});
+  run.along({10.0, 0.0}, {50.0, 0.0}, 0.0).along({30.0, 1.0}, {30.0, 5.0}, 5.0).arrive();
+  EXPECT_EQ(run.tree.tips().size(), 1u);
+}
+
+TEST(CrackTree, BothTipsOfACentralCrackGrowTheirOwn)
+{
+  Runner run({{{35.0, 0.0}, {-1.0, 0.0}}, {{45.0, 0.0}, {1.0, 0.0}}});
+  run.along({35.0, 0.0}, {15.0, 0.0}, 1.0).along({45.0, 0.0}, {57.0, 0.0}, 1.0).arrive();
+  const auto tips = run.tree.tips();
+  ASSERT_EQ(tips.size(), 2u);
+  EXPECT_NEAR(tips[0].at.x(), 15.5, 1e-12);
+  EXPECT_NEAR(tips[1].at.x(), 56.5, 1e-12);
+  EXPECT_EQ(tips[1].start, 1u);
+}
+
+TEST(CrackTree, DamageElsewhereCountsOnceItHangsTogetherWithTheCrack)
+{
+  Runner run({{{10.0, 0.0}, {1.0, 0.0}}});
+  run.along({10.0, 0.0}, {20.0, 0.0}, 0.0).along({30.0, 0.0}, {40.0, 0.0}, 0.0).arrive();
+  EXPECT_NEAR(run.tree.tips()[0].at.x(), 19.5, 1e-12);
+  run.along({20.0, 0.0}, {30.0, 0.0}, 3.0).arrive();
+  EXPECT_NEAR(run.tree.tips()[0].at.x(), 39.5, 1e-12);
+}
+
+TEST(CrackTree, TipThatWaitsSlowsDown)
+{
+  Runner run({{{10.0, 0.0}, {1.0, 0.0}}});
+  run.along({10.0, 0.0}, {40.0, 0.0}, 0.0).arrive();
+  const GrownTip tip = run.tree.tips()[0];
+  const double arrived = 29.5 / kSpeed;
+  EXPECT_NEAR(post::tip_speed(tip, 6.0, arrived + 1.0, 1.0), kSpeed, 1e-12);
+  EXPECT_NEAR(post::tip_speed(tip, 6.0, arrived + 11.0, 1.0), 0.6, 1e-12);
+  EXPECT_EQ(post::tip_speed(tip, 50.0, arrived, 1.0), 0.0);
+}
