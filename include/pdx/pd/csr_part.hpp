@@ -1,0 +1,46 @@
+#pragma once
+#include "pdx/law/bond.hpp"
+#include "pdx/pd/cloud.hpp"
+#include "pdx/pd/csr_kernel.hpp"
+
+namespace pdx::pd {
+/// What the bonds of a cloud are made from. SI units.
+struct CloudOptions {
+  double horizon = 0.0;   ///< delta                                                        [m]
+  double thickness = 1.0; ///< out of plane, equal to elastic.thickness; unused in 3-D       [m]
+  law::Micromodulus micromodulus = law::Micromodulus::conical;
+  law::Elastic elastic;
+};
+
+/// The bonds of particles that lie anywhere. Bond force per unit stretch kappa = c(xi) beta V_i V_j, where beta is the
+/// part of the neighbour's volume in the horizon by its size dx = V^(1/Dim) (2-D: sqrt(V / thickness)), the mean of
+/// both ends', so that forces are in balance. Constants are those of the continuum: nothing is calibrated.
+template <int Dim> class CsrPart {
+public:
+  /// @param cloud its first `owned` particles are this rank's, those after them its halo: all others within the horizon
+  ///              and half a particle of one of them. Sets are not looked at.
+  /// Throws UserError for options that are not positive, a wrong Poisson's ratio, particles in one place, and a horizon
+  /// in which no particle has a neighbour.
+  CsrPart(const Cloud<Dim>& cloud, Index owned, const CloudOptions& options);
+
+  CsrView<Dim> view() const;
+  std::int64_t bonds() const; ///< intact entries: bonds between owned particles count twice
+  /// r += internal force at u.  @param u rows of Dim, [owned | halo]   @param r owned rows
+  CsrSeen add_force(Kinematics kinematics, double critical_stretch, std::span<const double> u, std::span<double> r,
+                    bool energy = false) const;
+  /// Breaks what is overstretched; of a bond, the rank of the end with the smaller x (then y, z) counts it.
+  Broken break_bonds(const BreakRule& rule, std::span<const double> u);
+
+private:
+  double kappa(double length, double volume_i, double volume_j) const; // [N]
+  double share(double length, double volume) const;                    // beta
+  void add_bonds_of(Index i, const Cloud<Dim>& cloud, std::span<const Index> near);
+
+  CloudOptions options_;
+  law::BondLaw<Dim> law_;
+  std::vector<std::int64_t> first_{0};
+  std::vector<std::int32_t> neighbour_;
+  std::vector<std::uint8_t> intact_;
+  std::vector<double> length_, weight_, points_;
+};
+} // namespace pdx::pd
