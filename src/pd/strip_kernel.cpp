@@ -146,7 +146,7 @@ template <int Dim> struct SweepStrips {
   const StripView<Dim>& view;
   Kinematics kinematics;
   std::span<StripTask> tasks;
-  double* energy;
+  bool energetic;
 
   template <int W> PDX_INLINE void run() const
   {
@@ -167,27 +167,27 @@ template <int Dim> struct SweepStrips {
 private:
   template <int W, class Law> PDX_INLINE void with_law(StripTask& task) const
   {
-    if (energy)
+    if (energetic)
       task.shared ? sweep_box<W, Law, true, true>(task) : sweep_box<W, Law, false, true>(task);
     else
       task.shared ? sweep_box<W, Law, true, false>(task) : sweep_box<W, Law, false, false>(task);
   }
 
-  template <int W, class Law, bool shared, bool energetic> PDX_INLINE void sweep_box(StripTask& task) const
+  template <int W, class Law, bool shared, bool with_energy> PDX_INLINE void sweep_box(StripTask& task) const
   {
     Seen<W> seen;
     const StripBox& box = task.box;
     for (int plane = 0; plane < box.planes; ++plane)
       for (int line = 0; line < box.lines; ++line) {
         const std::ptrdiff_t first = box.first + plane * box.plane + line * box.line;
-        for (int c = 0; c < box.columns; ++c) sweep_vector<W, Law, shared, energetic>(view, first + c, seen);
+        for (int c = 0; c < box.columns; ++c) sweep_vector<W, Law, shared, with_energy>(view, first + c, seen);
       }
     task.lowest = task.highest = 0.0;
     for (int l = 0; l < W; ++l) {
       task.lowest = std::min(task.lowest, seen.lowest[l]);
       task.highest = std::max(task.highest, seen.highest[l]);
     }
-    if constexpr (energetic) *energy += sum_of<W>(seen.energy);
+    task.energy = with_energy ? sum_of<W>(seen.energy) : 0.0;
   }
 };
 } // namespace
@@ -265,16 +265,16 @@ template <int Dim> void clear_forces(Processor processor, double* blocks, const 
 
 template <int Dim>
 void sweep_strips(Processor processor, const StripView<Dim>& view, Kinematics kinematics, std::span<StripTask> tasks,
-                  double* energy)
+                  bool energetic)
 {
-  run_on(processor, SweepStrips<Dim>{view, kinematics, tasks, energy});
+  run_on(processor, SweepStrips<Dim>{view, kinematics, tasks, energetic});
 }
 
 #define PDX_INSTANTIATE(Dim)                                                                                           \
   template void fill_ghosts<Dim>(Processor, double*, const StripLines&);                                               \
   template void fold_ghosts<Dim>(Processor, double*, const StripLines&);                                               \
   template void clear_forces<Dim>(Processor, double*, const StripLines&);                                              \
-  template void sweep_strips<Dim>(Processor, const StripView<Dim>&, Kinematics, std::span<StripTask>, double*)
+  template void sweep_strips<Dim>(Processor, const StripView<Dim>&, Kinematics, std::span<StripTask>, bool)
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
 } // namespace pdx::pd

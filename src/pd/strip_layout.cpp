@@ -74,6 +74,7 @@ template <int Dim> int StripPart<Dim>::tile_of(const Spot& spot) const
 
 template <int Dim> void StripPart<Dim>::lay_tiles()
 {
+  slab_.resize(1);
   if (!vectors_) return;
   tiles_[0] = std::max(1, (columns_ + kTileColumns / 2) / kTileColumns);
   for (Index t = 1; t <= tiles_[0]; ++t) column_ends_.push_back(t * columns_ / tiles_[0]);
@@ -83,6 +84,7 @@ template <int Dim> void StripPart<Dim>::lay_tiles()
     tiles_[d] = (extent_[d] + span_[d] - 1) / span_[d];
     total *= static_cast<std::size_t>(tiles_[d]);
   }
+  slab_.resize(static_cast<std::size_t>(slabs()) + 1);
   tasks_.resize(total);
   for (StripTask& task : tasks_) task.series = Series::fifth;
   busy_.resize(total);
@@ -100,6 +102,13 @@ template <int Dim> void StripPart<Dim>::lay_pieces()
       for (Index c = 0; c < length; ++c) ends_.data()[(first.vector + c) * lanes_ + first.lane] = 0.5;
       k += length;
     }
+  const auto per_slab = slabs() ? static_cast<std::ptrdiff_t>(tasks_.size()) / slabs() : 1;
+  for (std::size_t slab = 0; slab < slab_.size(); ++slab) // pieces are in the order of lines
+    slab_[slab].pieces = static_cast<std::size_t>(
+        std::partition_point(
+            pieces_.begin(), pieces_.end(),
+            [&](const Piece& piece) { return piece.tile < static_cast<std::ptrdiff_t>(slab) * per_slab; }) -
+        pieces_.begin());
   for (const std::ptrdiff_t at : part_.halo_at()) halo_.push_back({block(spot(at)), tile_of(spot(at))});
 }
 

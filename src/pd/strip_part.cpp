@@ -21,6 +21,23 @@ bool any_displaced(const double* u, std::ptrdiff_t count)
   return false;
 }
 
+/// Calls visit(k, d, place in the blocks from the first row's) for `count` neighbouring rows of one strip.
+template <int Dim, int W, class Visit> void for_each_entry(Index count, Visit&& visit)
+{
+  for (std::ptrdiff_t k = 0; k < count; ++k)
+    for (std::ptrdiff_t d = 0; d < Dim; ++d) visit(k * Dim + d, (k * StripView<Dim>::kParts + d) * W);
+}
+/// The same with the number of lanes known to the compiler.
+template <int Dim, class Visit> void for_each_entry(int lanes, Index count, Visit&& visit)
+{
+  if (lanes == 8)
+    for_each_entry<Dim, 8>(count, visit);
+  else if (lanes == 4)
+    for_each_entry<Dim, 4>(count, visit);
+  else
+    for_each_entry<Dim, 2>(count, visit);
+}
+
 Series series_for(double lowest, double highest)
 {
   const double worst = std::max(-lowest, highest);
@@ -50,7 +67,6 @@ template <int Dim> void StripPart<Dim>::load(std::span<const double> owned)
       if (!(std::abs(u) <= at_rest_)) busy_[static_cast<std::size_t>(halo_[k].tile)] = 1;
     }
   choose_tiles();
-  fill_ghosts<Dim>(processor_, blocks_.data(), lines());
 }
 
 template <int Dim> void StripPart<Dim>::load_piece(Piece& piece, const double* owned)
@@ -61,11 +77,10 @@ template <int Dim> void StripPart<Dim>::load_piece(Piece& piece, const double* o
   if (!filled && !piece.filled) return;
   piece.filled = filled;
   double* to = blocks_.data() + piece.at;
-  for (Index k = 0; k < piece.length; ++k, from += Dim, to += StripView<Dim>::kParts * lanes_)
-    for (std::ptrdiff_t d = 0; d < Dim; ++d) to[d * lanes_] = from[d];
+  for_each_entry<Dim>(lanes_, piece.length, [&](std::ptrdiff_t row, std::ptrdiff_t block) { to[block] = from[row]; });
   std::uint8_t& busy = busy_[static_cast<std::size_t>(piece.tile)];
   if (!filled || busy) return;
-  busy = std::any_of(from - count, from, [this](double u) { return !(std::abs(u) <= at_rest_); });
+  busy = std::any_of(from, from + count, [this](double u) { return !(std::abs(u) <= at_rest_); });
 }
 
 /// Tiles whose bonds may have a force, and the lines that these reach.
@@ -74,7 +89,10 @@ template <int Dim> void StripPart<Dim>::choose_tiles()
   const std::vector<std::uint8_t> near = around(busy_);
   std::vector<std::uint8_t> computed(tasks_.size(), 0);
   chosen_.clear();
+  touched_lines_.clear();
+  const std::size_t per_slab = slabs() ? tasks_.size() / static_cast<std::size_t>(slabs()) : 1;
   for (std::size_t t = 0; t < tasks_.size(); ++t) {
+    if (t % per_slab == 0) slab_[t / per_slab].tasks = chosen_.size();
     if (!tasks_[t].box.columns) continue;
     if (near[t]) {
       computed[t] = 1;
@@ -85,65 +103,98 @@ template <int Dim> void StripPart<Dim>::choose_tiles()
     }
   }
   touched_ = around(computed);
-  touched_lines_.clear();
   const Index rows = extent_[1], planes = Dim == 3 ? extent_[Dim - 1] : 1;
   for (Index z = 0; z < planes; ++z)
     for (Index y = 0; y < rows; ++y) {
+      const Index last = Dim == 3 ? z : y;
+      if (last % span_[Dim - 1] == 0 && (Dim == 2 || y == 0))
+        slab_[static_cast<std::size_t>(last / span_[Dim - 1])].lines = touched_lines_.size();
       const Index row = Dim == 3 ? z / span_[Dim - 1] * tiles_[1] + y / span_[1] : y / span_[1];
       const auto first = touched_.begin() + static_cast<std::ptrdiff_t>(row) * tiles_[0];
       if (std::any_of(first, first + tiles_[0], [](std::uint8_t t) { return t != 0; }))
         touched_lines_.push_back(static_cast<std::ptrdiff_t>(z) * rows + y);
     }
+  slab_.back().tasks = chosen_.size();
+  slab_.back().lines = touched_lines_.size();
+}
+
+template <int Dim> std::span<StripTask> StripPart<Dim>::tasks_of(Index slab)
+{
+  const auto s = static_cast<std::size_t>(slab);
+  return std::span(chosen_tasks_).subspan(slab_[s].tasks, slab_[s + 1].tasks - slab_[s].tasks);
+}
+
+template <int Dim> StripLines StripPart<Dim>::lines_of(Index slab) const
+{
+  const auto s = static_cast<std::size_t>(slab);
+  return {columns_, stencil_reach_,
+          std::span(touched_lines_).subspan(slab_[s].lines, slab_[s + 1].lines - slab_[s].lines)};
 }
 
 template <int Dim> double StripPart<Dim>::energy(double* r)
 {
+  sweep(r, true);
   double sum = 0.0;
-  sweep(r, &sum);
+  for (const StripTask& task : chosen_tasks_) sum += task.energy;
   return sum;
 }
 
-template <int Dim> void StripPart<Dim>::sweep(double* r, double* energy)
+/// Slab by slab, so that what a slab needs stays in the cache from the first look to the last.
+template <int Dim> void StripPart<Dim>::sweep(double* r, bool energetic)
 {
   std::int64_t with_bonds = 0;
   for (const StripTask& task : tasks_) with_bonds += task.box.columns != 0;
   computed_ += static_cast<std::int64_t>(chosen_.size());
   skipped_ += with_bonds - static_cast<std::int64_t>(chosen_.size());
-  do {
-    chosen_tasks_.clear();
-    for (const std::size_t t : chosen_) chosen_tasks_.push_back(tasks_[t]);
-    if (energy) *energy = 0.0;
-    clear_forces<Dim>(processor_, blocks_.data(), lines());
-    sweep_strips<Dim>(processor_, view_, kinematics_, chosen_tasks_, energy);
-  } while (raise_series());
-  if (!r) return;
-  fold_ghosts<Dim>(processor_, blocks_.data(), lines());
-  unload(r);
-}
-
-/// Chooses the series of the next pass by what this one saw. @return true if a tile of this one needed a better series
-template <int Dim> bool StripPart<Dim>::raise_series()
-{
-  bool insufficient = false;
-  for (std::size_t k = 0; k < chosen_.size(); ++k) {
-    StripTask& task = tasks_[chosen_[k]];
-    task = chosen_tasks_[k];
-    if (kinematics_ == Kinematics::linear) continue;
-    insufficient |= series_for(task.lowest, task.highest) > task.series;
-    task.series = series_for(kHeadroom * task.lowest, kHeadroom * task.highest);
+  chosen_tasks_.clear();
+  for (const std::size_t t : chosen_) chosen_tasks_.push_back(tasks_[t]);
+  for (Index slab = 0; slab < slabs(); ++slab) {
+    for (Index next = slab ? slab + slabs_reached() : 0; next <= slab + slabs_reached(); ++next) prepare(next);
+    sweep_slab(slab, energetic);
+    if (!r) continue;
+    fold_ghosts<Dim>(processor_, blocks_.data(), lines_of(slab));
+    unload(slab, r);
   }
-  return insufficient;
+  for (std::size_t k = 0; k < chosen_.size(); ++k) {
+    tasks_[chosen_[k]] = chosen_tasks_[k];
+    tasks_[chosen_[k]].series = series_for(kHeadroom * chosen_tasks_[k].lowest, kHeadroom * chosen_tasks_[k].highest);
+  }
 }
 
-template <int Dim> void StripPart<Dim>::unload(double* r)
+template <int Dim> void StripPart<Dim>::prepare(Index slab)
 {
-  const std::ptrdiff_t stride = StripView<Dim>::kParts * lanes_;
-  for (const Piece& piece : pieces_) {
+  if (slab >= slabs()) return;
+  fill_ghosts<Dim>(processor_, blocks_.data(), lines_of(slab));
+  clear_forces<Dim>(processor_, blocks_.data(), lines_of(slab));
+}
+
+/// Where the series of a tile turns out too short, all that reaches the slab is added up again.
+template <int Dim> void StripPart<Dim>::sweep_slab(Index slab, bool energetic)
+{
+  sweep_strips<Dim>(processor_, view_, kinematics_, tasks_of(slab), energetic);
+  bool insufficient = false;
+  for (StripTask& task : tasks_of(slab)) {
+    const Series needed = series_for(task.lowest, task.highest);
+    if (kinematics_ == Kinematics::linear || needed <= task.series) continue;
+    task.series = needed;
+    insufficient = true;
+  }
+  if (!insufficient) return;
+  for (Index q = slab; q <= slab + slabs_reached(); ++q) prepare(q);
+  for (Index q = std::max(0, slab - slabs_reached()); q <= slab; ++q) // slabs before this one are done with
+    sweep_strips<Dim>(processor_, view_, kinematics_, tasks_of(q), energetic);
+}
+
+template <int Dim> void StripPart<Dim>::unload(Index slab, double* r) const
+{
+  const auto s = static_cast<std::size_t>(slab);
+  for (std::size_t k = slab_[s].pieces; k < slab_[s + 1].pieces; ++k) {
+    const Piece& piece = pieces_[k];
     if (!touched_[static_cast<std::size_t>(piece.tile)]) continue;
-    const double* force = blocks_.data() + piece.at + Dim * lanes_;
+    const double* force = view_.blocks + piece.at + Dim * lanes_;
     double* to = r + static_cast<std::ptrdiff_t>(piece.row) * Dim;
-    for (Index k = 0; k < piece.length; ++k, to += Dim, force += stride)
-      for (std::ptrdiff_t d = 0; d < Dim; ++d) to[d] -= force[d * lanes_];
+    for_each_entry<Dim>(lanes_, piece.length,
+                        [&](std::ptrdiff_t row, std::ptrdiff_t block) { to[row] -= force[block]; });
   }
 }
 
@@ -177,7 +228,7 @@ template <int Dim> Broken StripPart<Dim>::break_bonds()
 #define PDX_INSTANTIATE(Dim)                                                                                           \
   template void StripPart<Dim>::watch(double);                                                                         \
   template void StripPart<Dim>::load(std::span<const double>);                                                         \
-  template void StripPart<Dim>::sweep(double*, double*);                                                               \
+  template void StripPart<Dim>::sweep(double*, bool);                                                                  \
   template double StripPart<Dim>::energy(double*);                                                                     \
   template bool StripPart<Dim>::overstretched_seen() const;                                                            \
   template Broken StripPart<Dim>::break_bonds()

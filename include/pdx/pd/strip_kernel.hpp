@@ -64,16 +64,16 @@ struct StripTask {
   bool shared = false;  ///< some of its bonds have a surface factor
   double lowest = 0.0;  ///< least e (finite) or s (linear) of its intact bonds, at most 0      [-]
   double highest = 0.0; ///< largest, at least 0                                                [-]
+  double energy = 0.0;  ///< strain energy by ends, if asked for                                [J]
 };
 
 /// Adds the forces of the bonds that start in the boxes to the blocks of both ends: kappa s n on i, its opposite on j.
 /// Ghost columns hold displacement before and forces to fold after.
 /// Forces differ by rounding from those of `add_force` (bond_kernel.hpp) wherever lowest and highest are within the
 /// range of the series.
-/// @param energy if not null, the bonds' strain energy is added, by ends                              [J]
 template <int Dim>
 void sweep_strips(Processor processor, const StripView<Dim>& view, Kinematics kinematics, std::span<StripTask> tasks,
-                  double* energy);
+                  bool energetic);
 
 /// A bond in a StripView: half arm `arm` of one lane of one vector.
 struct StripBond {

@@ -22,7 +22,7 @@ public:
   void load(std::span<const double> owned);
   /// r_i += internal force at the displacement loaded last, as `add_force` of bond_kernel.hpp.       [N]
   /// @param r rows of Dim; nullptr: only look for overstretched bonds
-  void add_force(double* r) { sweep(r, nullptr); }
+  void add_force(double* r) { sweep(r, false); }
   /// Strain energy of this rank's particles there, half of each bond's for either end; adds forces in the same pass.
   /// @param r as above                                                                               [J]
   double energy(double* r = nullptr);
@@ -79,10 +79,18 @@ private:
   std::vector<std::uint8_t> around(const std::vector<std::uint8_t>& tiles) const;
   void load_piece(Piece& piece, const double* owned);
   void choose_tiles();
-  void sweep(double* r, double* energy);
-  bool raise_series();
-  void unload(double* r);
-  StripLines lines() const { return {columns_, stencil_reach_, touched_lines_}; }
+  /// Where the parts of one slab of tiles (last direction) are. Bonds lead from a slab to itself and those after it.
+  struct Slab {
+    std::size_t tasks = 0, lines = 0, pieces = 0; ///< the first one in chosen_tasks_, touched_lines_, pieces_
+  };
+  Index slabs() const { return tiles_[Dim - 1]; }
+  Index slabs_reached() const { return (stencil_reach_ + span_[Dim - 1] - 1) / span_[Dim - 1]; }
+  std::span<StripTask> tasks_of(Index slab);
+  StripLines lines_of(Index slab) const;
+  void prepare(Index slab);
+  void sweep(double* r, bool energetic);
+  void sweep_slab(Index slab, bool energetic);
+  void unload(Index slab, double* r) const;
 
   LatticePart<Dim>& part_;
   Kinematics kinematics_;
@@ -104,12 +112,13 @@ private:
   std::vector<Piece> pieces_;
   std::vector<HaloSite> halo_;
 
-  std::vector<StripTask> tasks_;             // of all tiles; columns 0: no bonds
-  std::vector<std::uint8_t> uneven_;         // per tile: it has sites with a share
-  std::vector<std::uint8_t> busy_, touched_; // per tile: is displaced; may get forces
-  std::vector<std::size_t> chosen_;          // tiles to compute
-  std::vector<std::ptrdiff_t> touched_lines_;
-  std::vector<StripTask> chosen_tasks_;
+  std::vector<StripTask> tasks_;              // of all tiles; columns 0: no bonds
+  std::vector<std::uint8_t> uneven_;          // per tile: it has sites with a share
+  std::vector<std::uint8_t> busy_, touched_;  // per tile: is displaced; may get forces
+  std::vector<std::size_t> chosen_;           // tiles to compute, ascending
+  std::vector<StripTask> chosen_tasks_;       // theirs
+  std::vector<std::ptrdiff_t> touched_lines_; // ascending
+  std::vector<Slab> slab_;                    // and the end of the last one
   std::vector<StripBond> found_;
   std::int64_t computed_ = 0, skipped_ = 0;
 };
