@@ -135,6 +135,17 @@ template <int Dim> void whole_step(benchmark::State& state, Size<Dim> size)
   state.SetItemsProcessed(state.iterations() * 2 * body.part->bonds());
 }
 
+/// One root and one division after another, as one finite bond needs: what a loop over bonds cannot pass.
+__attribute__((optimize("no-tree-vectorize"))) void root_and_division(benchmark::State& state)
+{
+  std::vector<double> x(1024, 1.5), y(1024, 0.5);
+  for (auto _ : state) {
+    for (std::size_t k = 0; k < x.size(); ++k) y[k] = 0.3 / (x[k] + std::sqrt(x[k]));
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(x.size()));
+}
+
 template <int Dim> void measure(const std::string& name, Size<Dim> size)
 {
   const auto add = [&](const char* kernel, auto run) {
@@ -154,6 +165,7 @@ int main(int argc, char** argv)
 {
   benchmark::Initialize(&argc, argv);
   if (PetscInitialize(&argc, &argv, nullptr, nullptr)) return 2;
+  benchmark::RegisterBenchmark("root_and_division", root_and_division);
   measure<2>("plate320_48", {320, 3.6});
   measure<2>("plate320_28", {320, 2.6});
   measure<2>("plate88_48", {88, 3.6});

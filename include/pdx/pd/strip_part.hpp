@@ -39,17 +39,17 @@ public:
   std::int64_t tiles_skipped() const { return skipped_; }
 
 private:
-  template <class T> struct alignas(64) Line {
-    T entries[8];
-  };
   /// 0 at first, aligned for vectors.
   template <class T> class Aligned {
   public:
-    void resize(std::ptrdiff_t size) { lines_.assign(static_cast<std::size_t>(size + 7) / 8, Line<T>{}); }
-    T* data() { return lines_.empty() ? nullptr : lines_.front().entries; }
+    void resize(std::ptrdiff_t size) { lines_.assign(static_cast<std::size_t>(size + 7) / 8, Line{}); }
+    T* data() { return reinterpret_cast<T*>(lines_.data()); }
 
   private:
-    std::vector<Line<T>> lines_;
+    struct alignas(64) Line {
+      T entries[8];
+    };
+    std::vector<Line> lines_;
   };
   /// Neighbouring rows of one tile and strip.
   struct Piece {
