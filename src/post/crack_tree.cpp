@@ -8,7 +8,8 @@
 
 namespace pdx::post {
 namespace {
-constexpr double kSpan = 2.0;   // horizons that a branch must be long, and over which speeds are taken
+constexpr double kBranch = 2.0; // horizons that a branch must be long
+constexpr double kSpan = 4.0;   // horizons over which speeds are taken
 constexpr Index kReach = 2;     // neighbours: up to two spacings along one axis and one along the other
 constexpr double kRound = 1e-6; // of a spacing: distances this near are equal
 
@@ -176,12 +177,20 @@ GrownTip CrackTree::tip_at(int number) const
   return tip;
 }
 
+/// When the chain to a point was at a distance from the start.
+double CrackTree::passed_at(int number, double distance) const
+{
+  const auto point = [&](int p) -> const Point& { return points_[static_cast<std::size_t>(p)]; };
+  while (point(number).parent >= 0 && point(number).distance > distance) number = point(number).parent;
+  return point(number).time;
+}
+
 /// Points come in from the farthest to the nearest; where two groups meet, the shorter one is a branch if it is long
 /// enough by then.
 std::vector<GrownTip> CrackTree::tips_of(int start) const
 {
   const std::vector<int> order = farthest_first(start);
-  const double least = span(static_cast<std::size_t>(start));
+  const double least = kBranch / kSpan * span(static_cast<std::size_t>(start));
   const auto distance = [&](int p) { return points_[static_cast<std::size_t>(p)].distance; };
   Groups groups(points_.size());
   std::vector<GrownTip> tips;
@@ -206,8 +215,8 @@ std::vector<GrownTip> CrackTree::tips_of(int start) const
       if (distance(root) - distance(p) < least) continue;
       tips.push_back(tip_at(root));
       tips.back().own = distance(root) - distance(p);
-      tips.back().branched =
-          PathPoint{points_[static_cast<std::size_t>(p)].time, points_[static_cast<std::size_t>(p)].at};
+      const double passed = std::min(passed_at(longest, distance(p)), passed_at(root, distance(p)));
+      tips.back().branched = PathPoint{passed, points_[static_cast<std::size_t>(p)].at};
     }
   }
   // What hangs on the start apart from the longest is a crack of its own once it is long enough.

@@ -40,7 +40,7 @@ struct GrownTip {
   double own = 0.0;            ///< the same, from where it left a longer branch [m]
   std::vector<PathPoint> path; ///< from the start to the tip; empty if it did not grow
   Vector<2> at = Vector<2>::Zero();
-  std::optional<PathPoint> branched; ///< where it left a longer branch
+  std::optional<PathPoint> branched; ///< where it left a longer branch, and when the first of both was as far
 };
 
 /// The cracks that grow from given starts, as a tree over the particles that damage has reached, in order of time. Each
@@ -57,7 +57,7 @@ public:
   std::span<const Arrival> arrivals() const { return arrivals_; } ///< all that were added
 
   std::vector<GrownTip> tips() const; ///< of each start the longest first, at least one
-  /// Two horizons of the patch that a start is in, 0 outside: over which speeds are taken. [m]
+  /// Four horizons of the patch that a start is in, 0 outside: over which speeds are taken. [m]
   double span(std::size_t start) const;
   /// When damage first was next to a start; none if nothing grew. [s]
   std::optional<double> start_time() const { return start_time_; }
@@ -77,6 +77,7 @@ private:
   std::vector<int> farthest_first(int start) const;
   std::vector<GrownTip> tips_of(int start) const;
   GrownTip tip_at(int point) const;
+  double passed_at(int point, double distance) const;
 
   std::vector<CrackStart> starts_;
   std::vector<int> start_ground_; // patch of each start, -1 outside
@@ -88,9 +89,9 @@ private:
   std::optional<double> start_time_;
 };
 
-/// Speed of a tip: the slope of its way over time, least squares over the last two horizons of the path, so that jumps
+/// Speed of a tip: the slope of its way over time, least squares over the last four horizons of the path, so that jumps
 /// from particle to particle average out; 0 before it has grown as far. A tip that waits for longer than a look slows
 /// down to what it would have if it went on now.
-/// @param span two horizons [m]  @param now, look: time, and time between looks [s]
+/// @param span four horizons [m]  @param now, look: time, and time between looks [s]
 double tip_speed(const GrownTip& tip, double span, double now, double look);
 } // namespace pdx::post
