@@ -33,6 +33,7 @@ void CrackTracker::look(double time, std::span<const pd::Particle> particles, st
   before_.assign(damage.begin(), damage.end());
   std::vector<Arrival> all = gather_all(comm_, mine);
   if (!all.empty()) {
+    per_look_.push_back(static_cast<int>(all.size()));
     tree_.add(std::move(all));
     tips_ = tree_.tips();
   }
@@ -40,6 +41,25 @@ void CrackTracker::look(double time, std::span<const pd::Particle> particles, st
 }
 
 void CrackTracker::nothing_new(double time) { judge(time); }
+
+CrackTracker::State CrackTracker::state() const
+{
+  return {time_, largest_speed_, {tree_.arrivals().begin(), tree_.arrivals().end()}, per_look_, before_};
+}
+
+void CrackTracker::resume(State state)
+{
+  time_ = state.time;
+  largest_speed_ = state.largest_speed;
+  before_ = std::move(state.damage);
+  per_look_ = std::move(state.per_look);
+  auto next = state.arrivals.begin();
+  for (const int count : per_look_) {
+    tree_.add({next, next + count});
+    next += count;
+  }
+  tips_ = tree_.tips();
+}
 
 void CrackTracker::judge(double time)
 {

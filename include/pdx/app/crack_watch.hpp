@@ -15,6 +15,7 @@ public:
 
   /// @param bonds_broken of all ranks: damage is looked at only where it changed
   void look(double time, std::int64_t bonds_broken);
+  post::CrackTracker& tracker() { return tracker_; } ///< for checkpoints
   void write_results(nlohmann::ordered_json& results) const;
   void write_paths() const;
 

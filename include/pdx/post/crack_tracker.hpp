@@ -33,6 +33,17 @@ public:
   /// A look at a time until which no bond broke since the last look.
   void nothing_new(double time);
 
+  /// All that goes on from here, to the last bit.
+  struct State {
+    double time = 0.0, largest_speed = 0.0;
+    std::vector<Arrival> arrivals; ///< of all ranks, in order of looks
+    std::vector<int> per_look;     ///< how many of them each look saw that saw any
+    std::vector<double> damage;    ///< of the owned particles at the last look; empty: the next look begins anew
+  };
+  State state() const;
+  /// For a tracker that has not looked yet; `now` is known after the next look. Alike on every rank but for the damage.
+  void resume(State state);
+
   const CrackNow& now() const { return now_; }
   double largest_speed() const { return largest_speed_; } ///< of any tip at any look [m/s]
   const CrackTree& tree() const { return tree_; }
@@ -43,6 +54,7 @@ private:
   MPI_Comm comm_;
   double threshold_;
   CrackTree tree_;
+  std::vector<int> per_look_;  // arrivals of each look that saw any
   std::vector<double> before_; // damage at the last look; empty before the first
   double time_ = 0.0;
   CrackNow now_;

@@ -33,12 +33,23 @@ std::vector<pd::Particle> particles(MPI_Comm comm)
   return mine;
 }
 
-post::CrackTracker run(MPI_Comm comm)
+post::CrackTracker fresh(MPI_Comm comm)
 {
   const crack::CrackSet cracks({{{0.0, 0.0}, {10.0, 0.0}}}, kBody);
-  post::CrackTracker tracker(comm, cracks.tips(), {{kLattice, kHorizon}}, 0.35);
+  return {comm, cracks.tips(), {{kLattice, kHorizon}}, 0.35};
+}
+
+/// Looks at steps up to 20; at step `restart` a new tracker goes on from the state of the first.
+post::CrackTracker run(MPI_Comm comm, int restart = -1)
+{
+  post::CrackTracker tracker = fresh(comm);
   const std::vector<pd::Particle> mine = particles(comm);
   for (int step = 0; step <= 20; ++step) {
+    if (step == restart) {
+      post::CrackTracker other = fresh(comm);
+      other.resume(tracker.state());
+      tracker = std::move(other);
+    }
     const double time = 0.7 * step, tip = 10.0 + kSpeed * std::max(0.0, time - 2.0);
     std::vector<double> damage;
     for (const pd::Particle& particle : mine) damage.push_back(damage_at(particle.x, tip));
@@ -56,8 +67,8 @@ TEST(CrackTracker, SeesWhereTheCrackIsAndHowFastItRuns)
   EXPECT_NEAR(tips[0].at.x(), 10.0 + kSpeed * 12.0, kHorizon + 1.0);
   EXPECT_NEAR(tips[0].at.y(), 0.0, 1e-12);
   EXPECT_NEAR(tracker.now().speed, kSpeed, 0.01 * kSpeed); // whatever the lattice and the looks
-  EXPECT_LT(tracker.largest_speed(), 1.15 * kSpeed); // it starts between two looks, 2 spacings apart
-  EXPECT_GT(*tracker.tree().start_time(), 2.0 - 0.7); // a look
+  EXPECT_LT(tracker.largest_speed(), 1.15 * kSpeed);       // it starts between two looks, 2 spacings apart
+  EXPECT_GT(*tracker.tree().start_time(), 2.0 - 0.7);      // a look
   EXPECT_LT(*tracker.tree().start_time(), 2.0 + 1.0 / kSpeed);
 }
 
@@ -71,6 +82,18 @@ TEST(CrackTracker, SeesTheSameOnAnyNumberOfRanks)
   ASSERT_EQ(mine[0].path.size(), theirs[0].path.size());
   for (std::size_t k = 0; k < mine[0].path.size(); ++k) EXPECT_EQ(mine[0].path[k].time, theirs[0].path[k].time);
   EXPECT_EQ(here.largest_speed(), alone.largest_speed());
+}
+
+TEST(CrackTracker, GoesOnFromAStateToTheLastBit)
+{
+  const auto whole = run(PETSC_COMM_WORLD), resumed = run(PETSC_COMM_WORLD, 9);
+  const auto mine = resumed.tree().tips(), theirs = whole.tree().tips();
+  ASSERT_EQ(mine.size(), theirs.size());
+  EXPECT_EQ(mine[0].length, theirs[0].length);
+  EXPECT_EQ(resumed.now().speed, whole.now().speed);
+  EXPECT_EQ(resumed.largest_speed(), whole.largest_speed());
+  ASSERT_EQ(mine[0].path.size(), theirs[0].path.size());
+  for (std::size_t k = 0; k < mine[0].path.size(); ++k) EXPECT_EQ(mine[0].path[k].time, theirs[0].path[k].time);
 }
 
 TEST(CrackTracker, WhatWasBrokenFromTheStartIsNoGrowth)
