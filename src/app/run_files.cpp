@@ -33,7 +33,10 @@ void RunFiles::built(const Standing& standing)
                             options.case_name, counts[0] + counts[1] + counts[2], counts[0] + counts[1], counts[2],
                             scene.mesh->quality().cut, scene.mesh->quality().imbalance));
   report_cracks();
-  if (options.output.fields) fields = std::make_unique<io::FieldsFile>(comm_, options.output.directory);
+  if (!options.output.fields) return;
+  const int kept = continued.here ? continued.fields : 0;
+  fields = std::make_unique<io::FieldsFile>(comm_, options.output.directory, kept);
+  if (kept && fields->fresh()) warn("fields.h5 was cut off while it was written: put aside as fields_before.h5");
 }
 
 void RunFiles::report_cracks()
@@ -68,8 +71,8 @@ void RunFiles::started()
 
 void RunFiles::open_history(const std::vector<io::Column>& columns)
 {
-  history =
-      std::make_unique<io::Curve>(comm_, std::filesystem::path(options.output.directory) / "history.csv", columns);
+  history = std::make_unique<io::Curve>(comm_, std::filesystem::path(options.output.directory) / "history.csv", columns,
+                                        continued.here ? std::optional<double>(continued.step) : std::nullopt);
 }
 
 void RunFiles::add_tip_columns(std::vector<io::Column>& columns) const

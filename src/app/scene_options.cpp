@@ -216,6 +216,9 @@ OutputOptions read_output(const std::string& case_name, bool dynamic)
 
 void judge_time(const SceneOptions& s)
 {
+  if (s.time.checkpoint.any() && s.time.analysis != Analysis::explicit_dynamics)
+    throw UserError(
+        "-checkpoint_... and -restart are for explicit steps in time: give -analysis explicit, or drop them");
   if (s.time.dynamic()) {
     if (s.elastic.density <= 0.0)
       throw UserError("-material_density is missing: things that move have a mass; give it in kg/m^3");

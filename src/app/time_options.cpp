@@ -38,6 +38,17 @@ field::History read_table(const std::string& option, const std::string& name)
 }
 } // namespace
 
+CheckpointOptions CheckpointOptions::read()
+{
+  Options o("checkpoint");
+  CheckpointOptions c;
+  c.interval = o.integer("-checkpoint_interval", 0, "steps from one checkpoint.h5 to the next; 0: none", {0.0, 1e9});
+  c.seconds = o.real("-checkpoint_wall_seconds", 0.0, "s", "wall time from one checkpoint.h5 to the next; 0: none",
+                     Range::at_least(0.0));
+  c.restart = o.text("-restart", "", "checkpoint.h5 to go on from, on any number of ranks");
+  return c;
+}
+
 TimeOptions TimeOptions::read()
 {
   Options o("ts");
@@ -48,6 +59,7 @@ TimeOptions TimeOptions::read()
   t.safety = o.real("-ts_safety", t.safety, "-", "explicit: share of the stable limit that a step takes without -ts_dt",
                     {0.0, 1.0, true});
   t.allow_unstable = o.boolean("-ts_allow_unstable", false, "explicit: let -ts_dt be above the stable limit");
+  t.checkpoint = CheckpointOptions::read();
   return t;
 }
 

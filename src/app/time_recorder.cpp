@@ -71,19 +71,35 @@ std::vector<double> TimeRecorder::held_forces(const solve::TimeDriver& driver) c
   return force;
 }
 
+void TimeRecorder::count(const MotionEnergies& e)
+{
+  if (!d_->breaker) return;
+  broken_ = d_->breaker->mine();
+  MPI_Allreduce(MPI_IN_PLACE, &broken_.bonds, 1, MPI_INT64_T, MPI_SUM, files_.comm());
+  broken_.energy = e.stored.dissipated;
+  files_.summary.bonds_broken = broken_.bonds;
+}
+
 void TimeRecorder::look(const solve::TimeDriver& driver)
 {
   const MotionEnergies e = energies(driver);
-  if (d_->breaker) {
-    broken_ = d_->breaker->mine();
-    MPI_Allreduce(MPI_IN_PLACE, &broken_.bonds, 1, MPI_INT64_T, MPI_SUM, files_.comm());
-    broken_.energy = e.stored.dissipated;
-    files_.summary.bonds_broken = broken_.bonds;
-    if (cracks_) cracks_->look(driver.time(), broken_.bonds);
-  }
+  count(e);
+  if (cracks_) cracks_->look(driver.time(), broken_.bonds);
   largest_energy_ = std::max(largest_energy_, e.initial + e.work);
   largest_residual_ = std::max(largest_residual_, std::abs(e.residual()));
-  if (files_.history) write_history(driver, e);
+  if (files_.history && !told(driver)) write_history(driver, e);
+}
+
+/// What a restarted run begins with stands in its files already.
+bool TimeRecorder::told(const solve::TimeDriver& driver) const
+{
+  return files_.continued.here && driver.step() == files_.continued.step;
+}
+
+void TimeRecorder::take_notes(const Notes& notes)
+{
+  largest_energy_ = notes.at("largest_energy");
+  largest_residual_ = notes.at("largest_residual");
 }
 
 void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEnergies& e)
@@ -158,13 +174,31 @@ void TimeRecorder::finish(const solve::TimeDriver& driver)
 {
   const double end = MPI_Wtime();
   look(driver);
-  if (files_.fields) files_.write_fields(driver.time(), driver.displacement());
+  if (files_.fields && !told(driver)) files_.write_fields(driver.time(), driver.displacement());
   write_results(driver);
-  output_ += MPI_Wtime() - end;
-  files_.summary.wall_seconds.solve = MPI_Wtime() - begin_ - output_;
-  files_.summary.wall_seconds.output = output_;
+  count_seconds(end);
   files_.summary.steps = driver.step();
   files_.write_summary("done");
+  print_phases(driver);
+}
+
+void TimeRecorder::count_seconds(double output_begin)
+{
+  const double now = MPI_Wtime();
+  output_ += now - output_begin;
+  files_.summary.wall_seconds.solve = now - begin_ - output_;
+  files_.summary.wall_seconds.output = output_;
+}
+
+void TimeRecorder::interrupted(const solve::TimeDriver& driver, const std::string& why)
+{
+  const double begin = MPI_Wtime();
+  count(energies(driver));
+  write_results(driver);
+  count_seconds(begin);
+  files_.summary.steps = driver.step();
+  files_.summary.message = why;
+  files_.write_summary("stopped");
   print_phases(driver);
 }
 

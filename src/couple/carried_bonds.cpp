@@ -260,6 +260,21 @@ template <int Dim> void CarriedBonds<Dim>::add_bonded_volume(std::span<pd::Bonde
   }
 }
 
+template <int Dim> std::vector<std::uint64_t> CarriedBonds<Dim>::broken() const
+{
+  std::vector<std::uint64_t> keys;
+  for (std::size_t k = 0; k < bonds_.size(); ++k)
+    if (gone_[k] && !bonds_[k].cut && counted(bonds_[k])) keys.push_back(bonds_[k].key);
+  return keys;
+}
+
+template <int Dim> void CarriedBonds<Dim>::set_broken(std::span<const std::uint64_t> keys)
+{
+  ++revision_;
+  for (std::size_t k = 0; k < bonds_.size(); ++k)
+    gone_[k] = bonds_[k].cut || std::ranges::binary_search(keys, bonds_[k].key);
+}
+
 template <int Dim> std::int64_t CarriedBonds<Dim>::bonds() const
 {
   std::int64_t count = 0;

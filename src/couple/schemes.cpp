@@ -28,7 +28,9 @@ struct Draft {
   Vector<2> xi;
   double kappa = 0.0, energy_share = 0.0, volume = 0.0;
   bool cut = false, no_fail = false;
+  std::uint64_t key = 0; // within its patch
 };
+constexpr int kPatchBit = 48; // of a bond's key, from which on it has the number of its patch
 
 /// Writes the drafts of one patch, in order of sites.
 class Drafter {
@@ -95,6 +97,16 @@ private:
     return options_.surface_correction ? 2.0 / (share(i) + share(j)) : 1.0;
   }
 
+  /// Bonds of a patch by the site they start from, in the lattice or around it, their arm and its sign.
+  std::uint64_t key(const Site<2>& site, std::size_t arm, int sign) const
+  {
+    const Index reach = part_.stencil().reach;
+    const auto width = static_cast<std::uint64_t>(part_.lattice().count[0] + 2 * reach);
+    const auto number =
+        static_cast<std::uint64_t>(site[1] + reach) * width + static_cast<std::uint64_t>(site[0] + reach);
+    return (number * pd::kMaxHalfArms + arm) * 2 + (sign > 0);
+  }
+
   bool mine(const Host& host) const
   {
     for (std::size_t k = 0; k < static_cast<std::size_t>(host.count); ++k)
@@ -110,11 +122,13 @@ private:
     const Vector<2> x = lattice.point(site);
     const double far = (part_.stencil().reach + 2) * lattice.dx;
     if (row < 0 && options_.scheme == Scheme::energy && (!mine_ || !mine_->contains(x, far))) return;
-    for (const pd::Arm<2>& arm : part_.stencil().half)
+    for (std::size_t h = 0; h < part_.stencil().half.size(); ++h)
       for (const int sign : {+1, -1}) {
+        const pd::Arm<2>& arm = part_.stencil().half[h];
         const Site<2> other = stepped(site, arm.step, sign);
         if (!bonded(other)) continue;
         Draft draft;
+        draft.key = key(site, h, sign);
         draft.site = static_cast<Index>(lattice.number(site));
         draft.row = row < 0 ? -1 : rows_.first + row;
         draft.kappa = arm.kappa * surface_factor(site, other);
@@ -148,7 +162,8 @@ private:
     const auto& lattice = part_.lattice();
     if (!bonded(site)) return;
     const Vector<2> x = lattice.point(site);
-    for (const pd::Arm<2>& arm : part_.stencil().half) {
+    for (std::size_t h = 0; h < part_.stencil().half.size(); ++h) {
+      const pd::Arm<2>& arm = part_.stencil().half[h];
       const Site<2> other = stepped(site, arm.step, 1);
       if (!bonded(other)) continue;
       const auto part = geom::clip<2>(x, x + arm.xi, around_.shape().box);
@@ -158,6 +173,7 @@ private:
       const auto leave = around_.edge_host(x + part->leave * arm.xi, -half);
       if (!enter || !leave) continue;
       Draft draft;
+      draft.key = key(site, h, 1);
       draft.kappa = arm.kappa * surface_factor(site, other);
       draft.force_a = *enter;
       draft.force_b = *leave;
@@ -241,6 +257,7 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
       bond.cut = draft.cut;
       bond.no_fail = draft.no_fail;
       bond.patch = static_cast<int>(p);
+      bond.key = static_cast<std::uint64_t>(p) << kPatchBit | draft.key;
       if (draft.site >= 0) {
         if (draft.row != last_row) last_point = points.add(Host::of_row(draft.row));
         last_row = draft.row;

@@ -3,8 +3,11 @@
 #include "pdx/base/error.hpp"
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <fcntl.h>
 #include <fstream>
+#include <unistd.h>
 
 namespace pdx::io {
 namespace {
@@ -26,6 +29,25 @@ std::string try_replace(const std::filesystem::path& path, std::string_view text
   std::error_code error;
   std::filesystem::rename(temporary, path, error);
   return error ? "cannot write '" + path.string() + "': " + error.message() : "";
+}
+
+/// Waits until a file or directory is on the disk; false with errno if it cannot be.
+bool sync_path(const std::filesystem::path& path)
+{
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool ok = fsync(file) == 0;
+  close(file);
+  return ok;
+}
+
+std::string try_rename(const std::filesystem::path& from, const std::filesystem::path& to)
+{
+  const std::filesystem::path directory = to.has_parent_path() ? to.parent_path() : std::filesystem::path(".");
+  const bool ok = sync_path(from) && std::rename(from.c_str(), to.c_str()) == 0;
+  if (!ok) return "cannot write '" + to.string() + "': " + std::strerror(errno);
+  (void)sync_path(directory); // some file systems have no such thing
+  return "";
 }
 } // namespace
 
@@ -59,6 +81,13 @@ void create_directory(MPI_Comm comm, const std::filesystem::path& directory)
 void replace_file(MPI_Comm comm, const std::filesystem::path& path, std::string_view text)
 {
   const std::string message = first_message(comm, rank_in(comm) == 0 ? try_replace(path, text) : "");
+  if (!message.empty()) throw SolverFailure(message);
+}
+
+void rename_durably(MPI_Comm comm, const std::filesystem::path& from, const std::filesystem::path& to)
+{
+  MPI_Barrier(comm);
+  const std::string message = first_message(comm, rank_in(comm) == 0 ? try_rename(from, to) : "");
   if (!message.empty()) throw SolverFailure(message);
 }
 } // namespace pdx::io

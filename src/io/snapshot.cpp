@@ -2,10 +2,13 @@
 
 #include "pdx/base/events.hpp"
 #include "pdx/io/agree.hpp"
+#include "pdx/io/hdf5_id.hpp"
 #include "pdx/io/xdmf.hpp"
 
 #include <array>
 #include <fmt/format.h>
+#include <fstream>
+#include <iterator>
 #include <numeric>
 #include <stdexcept>
 
@@ -97,6 +100,39 @@ XdmfGrid write_block(Hdf5File& file, const std::string& step, const field::Outpu
   return grid;
 }
 
+std::string step_name(int step) { return fmt::format("/step{:06d}", step); }
+
+/// Takes all steps but the first ones out of the file; false if it has not that many.
+bool shorten(const std::filesystem::path& path, int steps)
+{
+  const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
+  const Hdf5Id file(H5Fopen(path.c_str(), H5F_ACC_RDWR, access), H5Fclose);
+  if (!file.valid()) return false;
+  const auto has = [&](int step) { return H5Lexists(file, step_name(step).c_str(), H5P_DEFAULT) > 0; };
+  for (int step = 0; step < steps; ++step)
+    if (!has(step)) return false;
+  bool ok = true;
+  for (int step = steps; ok && has(step); ++step) ok = H5Ldelete(file, step_name(step).c_str(), H5P_DEFAULT) >= 0;
+  return ok && H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0;
+}
+
+/// Cuts the file down to its first steps, or puts it aside; true if there is something to go on with. Collective.
+bool keep_steps(MPI_Comm comm, const std::filesystem::path& directory, int steps)
+{
+  int rank = 0, kept = 0;
+  MPI_Comm_rank(comm, &rank);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  if (rank == 0 && steps > 0) {
+    const std::filesystem::path path = directory / kDataFile;
+    kept = shorten(path, steps);
+    std::error_code none;
+    if (!kept) std::filesystem::rename(path, directory / "fields_before.h5", none);
+  }
+  MPI_Bcast(&kept, 1, MPI_INT, 0, comm);
+  return kept != 0;
+}
+
 std::filesystem::path made(MPI_Comm comm, const std::filesystem::path& directory)
 {
   create_directory(comm, directory);
@@ -104,14 +140,20 @@ std::filesystem::path made(MPI_Comm comm, const std::filesystem::path& directory
 }
 } // namespace
 
-FieldsFile::FieldsFile(MPI_Comm comm, const std::filesystem::path& directory)
-    : comm_(comm), directory_(made(comm, directory)), file_(comm, directory_ / kDataFile)
-{}
+FieldsFile::FieldsFile(MPI_Comm comm, const std::filesystem::path& directory, int steps)
+    : comm_(comm), directory_(made(comm, directory)), fresh_(!keep_steps(comm, directory_, steps)),
+      file_(comm, directory_ / kDataFile, fresh_ ? Hdf5File::Mode::create : Hdf5File::Mode::append)
+{
+  if (fresh_) return;
+  steps_ = steps;
+  std::ifstream file(directory_ / kXdmfFile);
+  xdmf_ = xdmf_first_steps(std::string(std::istreambuf_iterator<char>(file), {}), steps);
+}
 
 void FieldsFile::write(double time, std::span<const field::OutputBlock> blocks)
 {
   const std::vector<Extent> sizes = extents(comm_, blocks);
-  const std::string step = fmt::format("/step{:06d}", steps_);
+  const std::string step = step_name(steps_);
   std::vector<XdmfGrid> grids;
   {
     static Event event("io_fields");

@@ -1,9 +1,13 @@
 #include "pdx/io/xdmf.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace pdx::io {
 namespace {
+constexpr std::string_view kStep = "<Grid Name=\"step\" GridType=\"Collection\" CollectionType=\"Spatial\">\n";
+constexpr std::string_view kEnd = "</Grid>\n</Domain>\n</Xdmf>\n";
+
 std::string escaped(std::string_view text)
 {
   std::string out;
@@ -73,16 +77,22 @@ std::string xdmf_step(std::string_view data_file, double time, std::span<const X
   for (const XdmfGrid& grid : grids)
     if (grid.points > 0 && grid.cells > 0) inner += uniform_grid(grid, data_file);
   if (inner.empty()) return "";
-  return fmt::format("<Grid Name=\"step\" GridType=\"Collection\" CollectionType=\"Spatial\">\n"
-                     "<Time Value=\"{:.17g}\"/>\n{}</Grid>\n",
-                     time, inner);
+  return fmt::format("{}<Time Value=\"{:.17g}\"/>\n{}</Grid>\n", kStep, time, inner);
+}
+
+std::string xdmf_first_steps(std::string_view document, int steps)
+{
+  const std::size_t begin = document.find(kStep), last = document.rfind(kEnd);
+  if (begin == std::string_view::npos || last == std::string_view::npos || steps == 0) return "";
+  std::size_t end = begin;
+  for (int k = 0; k < steps && end < last; ++k) end = std::min(document.find(kStep, end + 1), last);
+  return std::string(document.substr(begin, end - begin));
 }
 
 std::string xdmf_document(std::string_view steps)
 {
   return fmt::format("<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
-                     "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n{}</Grid>\n"
-                     "</Domain>\n</Xdmf>\n",
-                     steps);
+                     "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n{}{}",
+                     steps, kEnd);
 }
 } // namespace pdx::io

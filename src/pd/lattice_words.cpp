@@ -196,6 +196,38 @@ template <int Dim> std::array<std::uint64_t, 2> LatticePart<Dim>::words_of(Index
   return {words_[0][i], planes() > 1 ? words_[1][i] : 0};
 }
 
+template <int Dim> Site<Dim> LatticePart<Dim>::site_at(std::ptrdiff_t at) const
+{
+  Site<Dim> site{};
+  for (std::size_t d = Dim; d-- > 0; at %= stride_[d]) site[d] = lower_[d] + static_cast<Index>(at / stride_[d]);
+  return site;
+}
+
+template <int Dim> std::vector<Index> LatticePart<Dim>::word_sites() const
+{
+  std::vector<Index> numbers = sites_;
+  for (const std::ptrdiff_t i : halo_at_) numbers.push_back(static_cast<Index>(lattice_.number(site_at(i))));
+  return numbers;
+}
+
+/// Bonds between particles of other ranks stay as they are here: nobody asks, and nobody would break them.
+template <int Dim> void LatticePart<Dim>::set_words(std::span<const std::uint64_t> words)
+{
+  remember_volume();
+  other_words_ = words_;
+  const auto owned = [this](std::ptrdiff_t i) {
+    return i < window_size_ && (traits_[static_cast<std::size_t>(i)] & kOwned);
+  };
+  const std::size_t count = sites_.size() + halo_at_.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::ptrdiff_t i = k < sites_.size() ? at(lattice_.site(sites_[k])) : halo_at_[k - sites_.size()];
+    for (std::size_t h = 0; h < arms_.size(); ++h)
+      if (!(words[2 * k + h / 64] >> (h % 64) & 1u) && (owned(i) || owned(i + arms_[h].jump)))
+        words_[h / 64][static_cast<std::size_t>(i)] &= ~(std::uint64_t{1} << (h % 64));
+  }
+  note_losses();
+}
+
 template <int Dim> std::int64_t LatticePart<Dim>::bonds() const
 {
   std::int64_t count = 0;
@@ -265,6 +297,8 @@ template <int Dim> void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolu
   template void LatticePart<Dim>::save();                                                                              \
   template void LatticePart<Dim>::restore();                                                                           \
   template std::array<std::uint64_t, 2> LatticePart<Dim>::words_of(Index) const;                                       \
+  template std::vector<Index> LatticePart<Dim>::word_sites() const;                                                    \
+  template void LatticePart<Dim>::set_words(std::span<const std::uint64_t>);                                           \
   template std::int64_t LatticePart<Dim>::bonds() const;                                                               \
   template void LatticePart<Dim>::weak_rows(std::vector<Index>&) const;                                                \
   template void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolume>) const

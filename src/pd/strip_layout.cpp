@@ -205,6 +205,7 @@ template <int Dim> void StripPart<Dim>::shrink_boxes()
 /// The tiles given and all within reach of them; in x round the ends of the strips, which touch each other.
 template <int Dim> std::vector<std::uint8_t> StripPart<Dim>::around(const std::vector<std::uint8_t>& tiles) const
 {
+  if (tiles.empty()) return {}; // a rank without particles
   std::vector<std::uint8_t> now = tiles, next;
   std::ptrdiff_t stride = 1;
   for (std::size_t d = 0; d < Dim; ++d) {

@@ -49,13 +49,25 @@ void MovingSystem::unbalanced(double time, std::span<double> f)
   for (const auto& term : system.terms) term->add_residual(u, f);
   const auto& held = system.prescribed.components;
   for (std::size_t k = 0; k < held.size(); ++k) held_[k] = f[static_cast<std::size_t>(held[k])];
+  load_at(time);
+  for (const Load& load : loads_)
+    for (std::size_t k = 0; k < load.force.size(); ++k)
+      f[static_cast<std::size_t>(load.drive->components[k])] -= load.force[k];
+}
+
+void MovingSystem::load_at(double time)
+{
   for (Load& load : loads_) {
     const double now = factor(*load.drive, time);
-    for (std::size_t k = 0; k < load.force.size(); ++k) {
-      load.force[k] = now * load.drive->values[k];
-      f[static_cast<std::size_t>(load.drive->components[k])] -= load.force[k];
-    }
+    for (std::size_t k = 0; k < load.force.size(); ++k) load.force[k] = now * load.drive->values[k];
   }
+}
+
+void MovingSystem::resume(double time, double work, std::span<const double> held)
+{
+  work_ = work;
+  std::ranges::copy(held, held_.begin());
+  load_at(time);
 }
 
 void MovingSystem::accelerate(std::span<double> f) const

@@ -104,6 +104,7 @@ void TimeDriver::keep()
   good_.v = moving_.v;
   const auto a = acceleration();
   good_.a.assign(a.begin(), a.end());
+  good_.held.assign(moving_.held_force().begin(), moving_.held_force().end());
   good_.clock = clock();
   for (const auto& change : moving_.system.after_step) change->save();
 }
@@ -111,18 +112,18 @@ void TimeDriver::keep()
 void TimeDriver::go_back()
 {
   for (const auto& change : moving_.system.after_step) change->restore();
-  std::ranges::copy(good_.u, moving_.u.begin());
-  std::ranges::copy(good_.v, moving_.v.begin());
-  set_state(good_.clock, good_.a);
+  set_state(good_.clock, {good_.u, good_.v, good_.a, good_.held});
 }
 
-void TimeDriver::set_state(const Clock& clock, std::span<const double> a)
+void TimeDriver::set_state(const Clock& clock, const State& state)
 {
-  set_acceleration(clock.origin, a);
+  std::ranges::copy(state.u, moving_.u.begin());
+  std::ranges::copy(state.v, moving_.v.begin());
+  set_acceleration(clock.origin, state.a);
   PDX_CALL(TSSetTime(ts_.get(), clock.time));
   PDX_CALL(TSSetStepNumber(ts_.get(), clock.step));
   if (clock.length > 0.0) set_step(clock.length);
-  moving_.set_work(clock.work);
+  moving_.resume(clock.time, clock.work, state.held);
   energy_bound_ = clock.energy_bound;
 }
 
@@ -131,25 +132,21 @@ TimeDriver::Clock TimeDriver::clock() const
   return {time(), step(), step_length(), origin(), moving_.work(), energy_bound_, good_.clock.initial};
 }
 
-void TimeDriver::resume(const Clock& clock, std::span<const double> u, std::span<const double> v,
-                        std::span<const double> a)
+void TimeDriver::resume(const Clock& clock, const State& state)
 {
-  std::ranges::copy(u, moving_.u.begin());
-  std::ranges::copy(v, moving_.v.begin());
   good_.clock = clock;
-  set_state(clock, a);
+  set_state(clock, state);
+  moving_.system.halo->refresh(moving_.u);
   resumed_ = true;
 }
 
 void TimeDriver::run(const AfterEach& after_each)
 {
   after_each_ = after_each;
-  std::vector<double> a(moving_.owned(), 0.0);
-  if (resumed_)
-    moving_.unbalanced(time(), a); // for the forces on what is held and loaded
-  else {
+  if (!resumed_) {
+    std::vector<double> a(moving_.owned(), 0.0);
     start(a);
-    set_state({}, a);
+    set_acceleration({}, a);
     good_.clock.initial = energy_bound_ = kinetic_energy().moving;
   }
   moving_.note();
@@ -183,13 +180,18 @@ double TimeDriver::step_length() const
   return length;
 }
 
-int TimeDriver::expected_steps() const
+double TimeDriver::end_time() const
 {
   PetscReal end = 0.0;
-  PetscInt most = 0;
   PDX_CALL(TSGetMaxTime(ts_.get(), &end));
+  return end;
+}
+
+int TimeDriver::expected_steps() const
+{
+  PetscInt most = 0;
   PDX_CALL(TSGetMaxSteps(ts_.get(), &most));
-  const double left = std::ceil((end - time()) / step_length() - 1e-6);
+  const double left = std::ceil((end_time() - time()) / step_length() - 1e-6);
   return static_cast<int>(std::min(static_cast<double>(most), step() + std::max(0.0, left)));
 }
 } // namespace pdx::solve

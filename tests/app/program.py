@@ -89,10 +89,10 @@ class ProgramTest(unittest.TestCase):
         self.scratch = pathlib.Path(scratch.name)
         self.runs = 0
 
-    def launch(self, options, ranks=1, before=()):
+    def launch(self, options, ranks=1, before=(), directory=None):
         """Runs the program behind the words `before` (valgrind) and returns a Run, however it ended."""
         self.runs += 1
-        directory = self.scratch / f"run_{self.runs}"
+        directory = directory or self.scratch / f"run_{self.runs}"
         launcher = ["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []
         command = [*launcher, *before, PROGRAM, *words_of(options), "-output_dir", str(directory)]
         with subprocess.Popen(
@@ -106,9 +106,9 @@ class ProgramTest(unittest.TestCase):
                 out, err = process.communicate()
                 return Run(None, out, err, directory)
 
-    def solve(self, options, ranks=1):
+    def solve(self, options, ranks=1, directory=None):
         """Runs a scene that must succeed without a word on stderr."""
-        run = self.launch(options, ranks)
+        run = self.launch(options, ranks, directory=directory)
         self.assertEqual((run.status, run.err), (0, ""), f"{ranks} ranks; stdout: {run.out}")
         return run
 

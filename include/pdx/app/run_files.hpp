@@ -14,6 +14,12 @@ struct Standing {
   const Discretisation* d = nullptr;
 };
 
+/// A run that goes on from a checkpoint. If its files lie here, they go on too.
+struct Continued {
+  bool here = false;
+  int step = 0, fields = 0; ///< steps done, and of them written to fields.h5
+};
+
 /// What every run leaves behind, static or in time: the directory, fields as asked, `summary.json` always, progress and
 /// the closing table. All methods are collective.
 class RunFiles {
@@ -39,6 +45,7 @@ public:
   MPI_Comm comm() const { return comm_; }
   const SceneOptions& options;
   Standing scene;
+  Continued continued; ///< to be set before `built`
   io::Progress progress;
   io::Summary summary;
   std::unique_ptr<io::FieldsFile> fields; ///< null: not asked for

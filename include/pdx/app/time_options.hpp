@@ -12,11 +12,22 @@ namespace pdx::app {
 /// statics: a path of equilibria. explicit_dynamics: central differences. implicit_dynamics: generalised alpha.
 enum class Analysis { statics, explicit_dynamics, implicit_dynamics };
 
+/// When `checkpoint.h5` is written, besides on SIGTERM and SIGUSR1, and which one a run goes on from.
+struct CheckpointOptions {
+  int interval = 0;     ///< steps; 0: never
+  double seconds = 0.0; ///< wall time; 0: never [s]
+  std::string restart;  ///< file; empty: from the start
+
+  bool any() const { return interval > 0 || seconds > 0.0 || !restart.empty(); }
+  static CheckpointOptions read();
+};
+
 /// How a scene moves in time, besides PETSc's own -ts_...
 struct TimeOptions {
   Analysis analysis = Analysis::statics;
   double safety = 0.9; ///< share of the stable limit that a step takes by itself [-]
   bool allow_unstable = false;
+  CheckpointOptions checkpoint;
 
   bool dynamic() const { return analysis != Analysis::statics; }
   static TimeOptions read();

@@ -28,11 +28,19 @@ public:
   void built(const Standing& scene);
   void started(const solve::TimeDriver& driver, const StepLimits& limits);
   void after_step(const solve::TimeDriver& driver);
-  void finish(const solve::TimeDriver& driver);     ///< results of the end
+  /// Running values that a restarted run needs, by name.
+  using Notes = std::map<std::string, double>;
+  Notes notes() const { return {{"largest_energy", largest_energy_}, {"largest_residual", largest_residual_}}; }
+  void take_notes(const Notes& notes);
+  void finish(const solve::TimeDriver& driver);                              ///< results of the end
+  void interrupted(const solve::TimeDriver& driver, const std::string& why); ///< a signal came; no failure
   void stopped_at(const solve::TimeDriver& driver); ///< the solver gave up: what the last sound state holds
 
 private:
   MotionEnergies energies(const solve::TimeDriver& driver) const;
+  bool told(const solve::TimeDriver& driver) const;
+  void count(const MotionEnergies& energies);
+  void count_seconds(double output_begin);
   void look(const solve::TimeDriver& driver);
   void write_history(const solve::TimeDriver& driver, const MotionEnergies& energies);
   void write_results(const solve::TimeDriver& driver);

@@ -18,6 +18,7 @@ template <int Dim> struct CarriedBond {
   bool cut = false;               ///< by a crack from the start: it carries nothing, but counts in the whole family
   bool no_fail = false;           ///< it never breaks
   Index patch = 0;                ///< the patch of its particle, whose critical stretch it has
+  std::uint64_t key = 0;          ///< the bond's own number, the same on any rank and any number of ranks
 };
 
 /// The bonds that do not join two particles of a patch: springs of the coupling schemes, all with the bond force law.
@@ -53,6 +54,10 @@ public:
   /// Appends s/s0 of the bonds that `break_bonds` would break and this rank counts.
   void overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules,
                      std::vector<double>& ratios) const;
+  /// Keys of the bonds that broke and this rank counts.
+  std::vector<std::uint64_t> broken() const;
+  /// Breaks the bonds with these keys. @param keys ascending, of all ranks
+  void set_broken(std::span<const std::uint64_t> keys);
   /// Remembers which bonds are gone; `restore` goes back to what was remembered last.
   void save() { saved_ = gone_; }
   void restore()

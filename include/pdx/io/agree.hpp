@@ -15,4 +15,8 @@ void create_directory(MPI_Comm comm, const std::filesystem::path& directory);
 /// reader (or a killed run) never sees half a file. Throws SolverFailure on every rank if it cannot. Collective.
 /// @param text read on rank 0 only
 void replace_file(MPI_Comm comm, const std::filesystem::path& path, std::string_view text);
+/// Gives a complete file its final name, replacing what had it, once its content is on the disk itself: whatever
+/// happens, under `to` there is the old file or the new one. Throws SolverFailure on every rank if it cannot.
+/// Collective.
+void rename_durably(MPI_Comm comm, const std::filesystem::path& from, const std::filesystem::path& to);
 } // namespace pdx::io

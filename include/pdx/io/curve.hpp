@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <mpi.h>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,7 +19,10 @@ struct Column {
 class Curve {
 public:
   /// Creates the file with its header "name [unit],...". Throws UserError on every rank if it cannot. Collective.
-  Curve(MPI_Comm comm, std::filesystem::path path, const std::vector<Column>& columns);
+  /// @param keep_to goes on with an existing file behind its rows with a first value up to this one: nothing else of it
+  ///                is kept. Throws UserError if its columns are others.
+  Curve(MPI_Comm comm, std::filesystem::path path, const std::vector<Column>& columns,
+        std::optional<double> keep_to = std::nullopt);
   /// Adds a row; rank 0's values count. Throws SolverFailure on every rank if the disk refuses. Collective.
   /// @param values one per column
   void row(std::span<const double> values);

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <hdf5.h>
 #include <mpi.h>
@@ -11,8 +12,10 @@ namespace pdx::io {
 /// and values on every rank (slabs differ). A write that fails on any rank throws SolverFailure on all of them.
 class Hdf5File {
 public:
-  /// Creates the file, or empties an existing one. Throws UserError on every rank if it cannot be created.
-  Hdf5File(MPI_Comm comm, std::filesystem::path path);
+  enum class Mode { create, append };
+  /// Creates the file, emptying an existing one, or opens one to add to it. Throws UserError on every rank if it
+  /// cannot.
+  Hdf5File(MPI_Comm comm, std::filesystem::path path, Mode mode = Mode::create);
   ~Hdf5File();
   Hdf5File(const Hdf5File&) = delete;
   Hdf5File& operator=(const Hdf5File&) = delete;
@@ -23,12 +26,15 @@ public:
   /// @param slab this rank's rows x components; may be empty
   void dataset(const std::string& path, std::span<const double> slab, int components);
   void dataset(const std::string& path, std::span<const int> slab, int components); ///< 32-bit integers
+  void dataset(const std::string& path, std::span<const std::uint64_t> slab, int components);
   /// Attaches a value to an existing group or dataset ("/" is the file itself).
   void attribute(const std::string& object, const std::string& name, double value);
   void attribute(const std::string& object, const std::string& name, int value);
   void attribute(const std::string& object, const std::string& name, std::string_view value);
   /// Hands everything to the operating system: what was written so far survives a killed run.
   void flush();
+  /// The end; nothing may follow. Tells what the destructor would swallow.
+  void close();
 
 private:
   struct Types {

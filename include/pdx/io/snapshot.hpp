@@ -15,7 +15,12 @@ namespace pdx::io {
 class FieldsFile {
 public:
   /// Creates the directory and the file. Throws UserError on every rank if it cannot. Collective.
-  FieldsFile(MPI_Comm comm, const std::filesystem::path& directory);
+  FieldsFile(MPI_Comm comm, const std::filesystem::path& directory) : FieldsFile(comm, directory, 0) {}
+  /// Goes on behind the first `steps` steps of the pair that is there; what follows them is dropped. Where that is not
+  /// possible (a run killed while it wrote), the old file is put aside as fields_before.h5 and `fresh` is true: its
+  /// first step is then number 0 again.
+  FieldsFile(MPI_Comm comm, const std::filesystem::path& directory, int steps);
+  bool fresh() const { return fresh_; }
 
   /// Adds one step. Blocks and fields have the same names and order on every rank; ranks may own no points.
   /// Throws std::logic_error on every rank if a size does not fit its block. Collective.
@@ -26,6 +31,7 @@ public:
 private:
   MPI_Comm comm_;
   std::filesystem::path directory_;
+  bool fresh_;
   Hdf5File file_;
   int steps_ = 0;
   std::string xdmf_; ///< entries of all steps so far

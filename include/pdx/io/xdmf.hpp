@@ -28,6 +28,8 @@ struct XdmfGrid {
 /// Grids without points or cells are left out, ParaView's readers refuse them; "" if none is left.
 /// @param data_file name of the HDF5 file, relative to the XDMF file
 std::string xdmf_step(std::string_view data_file, double time, std::span<const XdmfGrid> grids);
+/// The entries of the first steps of a document, all if it has no more.
+std::string xdmf_first_steps(std::string_view document, int steps);
 /// The whole document around the entries of all steps.
 std::string xdmf_document(std::string_view steps);
 } // namespace pdx::io

@@ -97,6 +97,10 @@ public:
   void save();
   void restore();
 
+  /// Sites whose words say which bonds owned particles have: the owned ones, then those of other ranks.
+  std::vector<Index> word_sites() const;
+  /// Breaks the bonds that these words do not have, two words (`words_of`) for each of `word_sites`. After `cut`.
+  void set_words(std::span<const std::uint64_t> words);
   /// Intact bonds that start at owned particle k, bit h for half arm h.
   std::array<std::uint64_t, 2> words_of(Index k) const;
   std::int64_t bonds() const; ///< intact ones that this rank counts
@@ -127,6 +131,7 @@ private:
     if (runs_stale_) make_runs();
     return runs;
   }
+  Site<Dim> site_at(std::ptrdiff_t at) const;
   std::size_t planes() const { return (arms_.size() + 63) / 64; }
   BondWords writable(Words& words) const { return {words[0].data(), words[1].data()}; }
   template <class Visit> static void for_each_loss(const Words& before, const Words& after, Visit&& visit);

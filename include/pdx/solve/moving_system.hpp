@@ -41,7 +41,8 @@ public:
   void note();
   void book();
   double work() const { return work_; } ///< since the start, this rank's part [J]
-  void set_work(double work) { work_ = work; }
+  /// Goes on from a state between steps: this rank's work, `held_force`, and the loads of that time.
+  void resume(double time, double work, std::span<const double> held);
 
   /// @param a owned [m/s^2]   @param step length [s]   Collective.
   KineticEnergy kinetic_energy(std::span<const double> a, double step) const;
@@ -57,6 +58,7 @@ private:
     std::vector<double> u_before;            // [m]
   };
   double held_kinetic() const;
+  void load_at(double time);
 
   std::vector<double> inverse_mass_;
   std::vector<field::Tie> ties_;

@@ -21,9 +21,11 @@ public:
   void run(const AfterEach& after_each);
 
   double time() const;
-  int step() const;           ///< steps done
-  double step_length() const; ///< [s]
-  int expected_steps() const; ///< in all, if nothing stops the run
+  int step() const;                                  ///< steps done
+  double step_length() const;                        ///< [s]
+  double end_time() const;                           ///< as asked for, PETSC_MAX_REAL if only steps are counted [s]
+  int good_step() const { return good_.clock.step; } ///< of the last state that was found sound
+  int expected_steps() const;                        ///< in all, if nothing stops the run
 
   std::span<const double> local() const { return moving_.u; } ///< displacement [owned | halo] [m]
   std::span<const double> u() const { return {moving_.u.data(), moving_.owned()}; }
@@ -44,8 +46,15 @@ public:
     double initial = 0.0;      ///< energy at time 0 [J]
   };
   Clock clock() const;
-  /// Goes on from a state: owned blocks, and the clock. Collective.
-  void resume(const Clock& clock, std::span<const double> u, std::span<const double> v, std::span<const double> a);
+  /// Owned blocks between two steps. Acceleration and held force were evaluated before the bonds broke that are gone
+  /// now, so they cannot be worked out again.
+  struct State {
+    std::span<const double> u, v, a;
+    std::span<const double> held; ///< `MovingSystem::held_force` [N]
+  };
+  State state() const { return {u(), v(), acceleration(), moving_.held_force()}; }
+  /// Goes on from a state. Collective.
+  void resume(const Clock& clock, const State& state);
 
 protected:
   /// TS of this name with what all runs have in common, and the user's -ts_... on top.
@@ -69,13 +78,13 @@ private:
   bool sound();
   void keep();
   void go_back();
-  void set_state(const Clock& clock, std::span<const double> a);
+  void set_state(const Clock& clock, const State& state);
 
   double energy_bound_ = 0.0;
   bool resumed_ = false;
   AfterEach after_each_;
   struct Good {
-    std::vector<double> u, v, a;
+    std::vector<double> u, v, a, held;
     Clock clock;
   } good_;
 };

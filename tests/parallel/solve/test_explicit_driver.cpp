@@ -148,7 +148,7 @@ TEST(ExplicitDriver, GoesOnToTheLastBit)
   Oscillators o(options, 3);
   o.system().drives.push_back({Drive::Kind::force, pulse, {2, 5}, {1.0, 0.7}});
   solve::ExplicitDriver driver(o.system(), kOptions);
-  driver.resume(clock, u, v, a);
+  driver.resume(clock, {u, v, a, {}});
   driver.run(go_on);
   EXPECT_EQ(driver.step(), 70);
   EXPECT_EQ(std::vector<double>(driver.u().begin(), driver.u().end()), end);

@@ -1,0 +1,37 @@
+#pragma once
+#include "pdx/app/run_files.hpp"
+#include "pdx/io/hdf5_reader.hpp"
+#include "pdx/io/natural_order.hpp"
+#include "pdx/solve/time_driver.hpp"
+
+namespace pdx::app {
+/// What moves and breaks in a scene, as tables in a natural order that does not depend on the number of ranks: nodes by
+/// mesh vertex, then enriched sets by vertex and crack, then particles by patch and site.
+class SceneState {
+public:
+  /// `scene` and `options` must outlive it. Collective.
+  SceneState(const Standing& scene, const SceneOptions& options);
+
+  /// What makes a scene this one, "name = value" a line: a state fits only where all of them are the same.
+  const std::string& scene() const { return text_; }
+  /// Adds the tables to a file. Collective.
+  void write(io::Hdf5File& file, const solve::TimeDriver& driver) const;
+  /// Breaks the bonds that are broken there and gives the state to the driver. Collective.
+  void read(const io::Hdf5Reader& file, const solve::TimeDriver::Clock& clock, solve::TimeDriver& driver) const;
+
+private:
+  void number_rows();
+  void describe(const SceneOptions& options);
+  PetscInt particle_number(Index patch, Index site) const;
+  std::vector<double> read_rows(const io::Hdf5Reader& file, const std::string& name) const;
+  void read_bonds(const io::Hdf5Reader& file) const;
+
+  const mesh::Mesh& mesh_;
+  const PatchPlan& plan_;
+  const Discretisation& d_;
+  std::vector<PetscInt> first_; // number of each patch's first particle, and of the one behind the last
+  PetscInt sets_ = 0;           // on all ranks
+  std::unique_ptr<io::NaturalOrder> rows_, particles_;
+  std::string text_;
+};
+} // namespace pdx::app

@@ -1,0 +1,229 @@
+#include "pdx/app/checkpoints.hpp"
+
+#include "pdx/base/events.hpp"
+#include "pdx/io/agree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <sstream>
+
+namespace pdx::app {
+namespace {
+using Verdict = solve::TimeDriver::Verdict;
+constexpr const char* kFile = "checkpoint.h5";
+constexpr int kMostSteps = 16;        // from one look at signals and the clock to the next
+constexpr double kMostSeconds = 0.25; // likewise [s]
+
+std::vector<std::string> split(const std::string& text)
+{
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+int rank_in(MPI_Comm comm)
+{
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+
+std::map<std::string, double> numbers_of(const solve::TimeDriver::Clock& clock)
+{
+  return {{"time", clock.time},
+          {"step", clock.step},
+          {"length", clock.length},
+          {"origin_time", clock.origin.time},
+          {"origin_step", clock.origin.step},
+          {"origin_length", clock.origin.length},
+          {"energy_bound", clock.energy_bound},
+          {"initial_energy", clock.initial}};
+}
+
+solve::TimeDriver::Clock clock_of(const std::map<std::string, double>& n)
+{
+  const auto whole = [&](const char* name) { return static_cast<int>(std::lround(n.at(name))); };
+  return {n.at("time"),
+          whole("step"),
+          n.at("length"),
+          {n.at("origin_time"), whole("origin_step"), n.at("origin_length")},
+          0.0,
+          n.at("energy_bound"),
+          n.at("initial_energy")};
+}
+
+/// Named numbers: a table of one column whose names are its attribute.
+void write_numbers(io::Hdf5File& file, const std::map<std::string, double>& numbers, bool here)
+{
+  std::string names;
+  std::vector<double> values;
+  for (const auto& [name, value] : numbers) {
+    names += name + "\n";
+    if (here) values.push_back(value);
+  }
+  file.dataset("/numbers", std::span<const double>(values), 1);
+  file.attribute("/numbers", "names", names);
+}
+
+std::map<std::string, double> read_numbers(const io::Hdf5Reader& file)
+{
+  const std::vector<std::string> names = split(file.text("/numbers", "names"));
+  std::vector<double> values(names.size());
+  file.read("/numbers", 0, 1, std::span<double>(values));
+  std::map<std::string, double> numbers;
+  for (std::size_t k = 0; k < names.size(); ++k) numbers[names[k]] = values[k];
+  return numbers;
+}
+} // namespace
+
+Checkpoints::Checkpoints(RunFiles& files)
+    : files_(files), options_(files.options.time.checkpoint), looked_(MPI_Wtime()), written_(looked_)
+{
+  if (!options_.restart.empty()) read_head();
+}
+
+void Checkpoints::read_head()
+{
+  from_ = std::make_unique<io::Hdf5Reader>(files_.comm(), options_.restart);
+  if (!from_->has("/numbers")) throw UserError(fmt::format("-restart is {}: not a checkpoint", options_.restart));
+  head_ = read_numbers(*from_);
+  for (const char* name : {"fields", "end", "step_length"})
+    if (!head_.contains(name)) throw UserError(fmt::format("-restart is {}: not a checkpoint", options_.restart));
+  // The directory it lies in is the run's own: its files go on. Elsewhere new ones begin.
+  const std::filesystem::path directory = std::filesystem::path(options_.restart).parent_path();
+  std::error_code none;
+  int here = std::filesystem::equivalent(directory.empty() ? "." : directory, files_.options.output.directory, none);
+  MPI_Bcast(&here, 1, MPI_INT, 0, files_.comm());
+  files_.continued = {here != 0, static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
+}
+
+void Checkpoints::refuse_other_scene() const
+{
+  const std::vector<std::string> there = split(from_->text("/", "scene")), here = split(scene_->scene());
+  for (std::size_t k = 0; k < std::max(there.size(), here.size()); ++k)
+    if (k >= there.size() || k >= here.size() || there[k] != here[k])
+      throw UserError(fmt::format("-restart is {}: it is of another scene, which has \"{}\"; this one has \"{}\"",
+                                  options_.restart, k < there.size() ? there[k] : "no more",
+                                  k < here.size() ? here[k] : "no more"));
+}
+
+void Checkpoints::begin(const Standing& scene, solve::TimeDriver& driver, TimeRecorder& recorder)
+{
+  scene_ = std::make_unique<SceneState>(scene, files_.options);
+  breaker_ = scene.d->breaker;
+  step_length_ = driver.step_length();
+  sound_ = numbers_now(recorder);
+  if (!from_) return;
+  refuse_other_scene();
+  solve::TimeDriver::Clock clock = clock_of(head_);
+  PetscBool given = PETSC_FALSE;
+  PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
+  if (given && step_length_ != head_.at("step_length"))
+    throw UserError(fmt::format("-ts_dt is {:g}, but the steps of {} are {:.17g} s long: give that, or none",
+                                step_length_, options_.restart, head_.at("step_length")));
+  step_length_ = head_.at("step_length");
+  if (driver.end_time() != head_.at("end")) clock.length = step_length_; // the last steps before that end were shorter
+  read_sums(clock);
+  scene_->read(*from_, clock, driver);
+  from_.reset();
+  recorder.take_notes(head_);
+  sound_ = head_;
+  next_look_ = clock.step;
+  looked_step_ = clock.step;
+  files_.progress.line(
+      fmt::format("restarted from {}: step {}, time {:.6g} s", options_.restart, clock.step, clock.time));
+}
+
+/// Sums of ranks go back to their ranks, where there are as many: then all further sums are the same to the last bit.
+void Checkpoints::read_sums(solve::TimeDriver::Clock& clock) const
+{
+  int ranks = 1;
+  MPI_Comm_size(files_.comm(), &ranks);
+  const auto rank = static_cast<std::size_t>(rank_in(files_.comm()));
+  std::vector<double> sums(3 * static_cast<std::size_t>(from_->shape("/rank_sums")[0]));
+  from_->read("/rank_sums", 0, 3, std::span<double>(sums));
+  std::array<double, 3> mine{};
+  if (sums.size() == 3 * static_cast<std::size_t>(ranks))
+    std::copy_n(sums.begin() + static_cast<std::ptrdiff_t>(3 * rank), 3, mine.begin());
+  else if (rank == 0)
+    for (std::size_t k = 0; k < sums.size(); ++k) mine[k % 3] += sums[k];
+  clock.work = mine[0];
+  if (breaker_) breaker_->resume({std::llround(mine[1]), mine[2]});
+}
+
+void Checkpoints::write_sums(io::Hdf5File& file, const solve::TimeDriver& driver) const
+{
+  const pd::Broken broken = breaker_ ? breaker_->mine() : pd::Broken{};
+  const std::array<double, 3> mine{driver.moving().work(), static_cast<double>(broken.bonds), broken.energy};
+  file.dataset("/rank_sums", std::span<const double>(mine), 3);
+}
+
+Checkpoints::Numbers Checkpoints::numbers_now(const TimeRecorder& recorder) const
+{
+  Numbers numbers = recorder.notes();
+  numbers["fields"] = files_.fields ? files_.fields->steps() : 0;
+  return numbers;
+}
+
+/// Ranks agree on what signals say and on whether it is time: every few steps, more often where steps are long.
+void Checkpoints::look_around(const solve::TimeDriver& driver)
+{
+  const int step = driver.step();
+  const double now = MPI_Wtime(), steps = std::max(1, step - looked_step_);
+  const bool late = options_.seconds > 0.0 && now - written_ >= options_.seconds && rank_in(files_.comm()) == 0;
+  double all[] = {static_cast<double>(StopSignals::caught()), late ? 1.0 : 0.0, (now - looked_) / steps};
+  MPI_Allreduce(MPI_IN_PLACE, all, 3, MPI_DOUBLE, MPI_MAX, files_.comm());
+  due_ = {static_cast<int>(all[0]), static_cast<int>(all[1])};
+  const double pause = all[2] > 0.0 ? kMostSeconds / all[2] : kMostSteps;
+  next_look_ = step + static_cast<int>(std::clamp(pause, 1.0, static_cast<double>(kMostSteps)));
+  looked_ = now;
+  looked_step_ = step;
+}
+
+Verdict Checkpoints::after_step(const solve::TimeDriver& driver, const TimeRecorder& recorder)
+{
+  const int step = driver.step();
+  if (driver.good_step() == step) sound_ = numbers_now(recorder);
+  if (step >= driver.expected_steps()) return Verdict::go_on; // `finish` does it
+  due_ = {};
+  if (step >= next_look_) look_around(driver);
+  const bool due = due_.signal || due_.write || (options_.interval > 0 && step % options_.interval == 0);
+  if (due) write(driver, numbers_now(recorder));
+  if (!due_.signal) return Verdict::go_on;
+  const std::string file = (std::filesystem::path(files_.options.output.directory) / kFile).string();
+  stopped_ = fmt::format("stopped by {} at step {}, time {:.6g} s: checkpoint written to {}; go on with -restart {}",
+                         StopSignals::name(due_.signal), step, driver.time(), file, file);
+  return Verdict::stop;
+}
+
+void Checkpoints::finish(const solve::TimeDriver& driver, const TimeRecorder& recorder)
+{
+  if (asked()) write(driver, numbers_now(recorder));
+}
+
+void Checkpoints::failed(const solve::TimeDriver& driver)
+{
+  if (asked() && scene_ && !sound_.empty()) write(driver, sound_);
+}
+
+void Checkpoints::write(const solve::TimeDriver& driver, Numbers numbers)
+{
+  static Event event("io_checkpoint");
+  const Timed timed(event);
+  for (const auto& [name, value] : numbers_of(driver.clock())) numbers[name] = value;
+  numbers["end"] = driver.end_time();
+  numbers["step_length"] = step_length_;
+  const std::filesystem::path path = std::filesystem::path(files_.options.output.directory) / kFile;
+  const std::filesystem::path part = path.string() + ".part";
+  io::Hdf5File file(files_.comm(), part);
+  file.attribute("/", "scene", scene_->scene());
+  write_numbers(file, numbers, rank_in(files_.comm()) == 0);
+  write_sums(file, driver);
+  scene_->write(file, driver);
+  file.close();
+  io::rename_durably(files_.comm(), part, path);
+  written_ = MPI_Wtime();
+}
+} // namespace pdx::app
