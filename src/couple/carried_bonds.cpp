@@ -220,16 +220,33 @@ void CarriedBonds<Dim>::for_each_overstretched(std::span<const double> u, std::s
 }
 
 template <int Dim>
-pd::Broken CarriedBonds<Dim>::break_bonds(std::span<const double> u, std::span<const pd::BreakRule> rules)
+pd::Broken CarriedBonds<Dim>::break_bonds(std::span<const double> u, std::span<const pd::BreakRule> rules,
+                                          field::ForceLosses* losses)
 {
   pd::Broken broken;
   for_each_overstretched(u, rules, [&](std::size_t number, double stretch) {
     const CarriedBond<Dim>& bond = bonds_[number];
     gone_[number] = 1;
     ++revision_;
+    if (losses) note_force(number, rules[static_cast<std::size_t>(bond.patch)].kinematics, *losses);
     if (counted(bond)) broken += {1, law::bond_energy(bond.kappa, rest_[number].length, stretch)};
   });
   return broken;
+}
+
+/// What a bond pulls the owned rows of its hosts with, at the displacement spread last.
+template <int Dim>
+void CarriedBonds<Dim>::note_force(std::size_t number, pd::Kinematics kinematics, field::ForceLosses& losses) const
+{
+  const CarriedBond<Dim>& bond = bonds_[number];
+  const law::BondState<Dim> state = state_of(number, spread_, kinematics);
+  const Vector<Dim> pull = bond.kappa * state.stretch * state.direction;
+  for (const auto& [point, sign] : {std::pair{bond.force_a, -1.0}, std::pair{bond.force_b, 1.0}})
+    for (std::size_t k = 0; k < points_.rows(point).size(); ++k) {
+      const Index row = points_.rows(point)[k];
+      if (row >= rows_.owned()) continue;
+      for (int d = 0; d < Dim; ++d) losses.push_back({row * Dim + d, sign * points_.weights(point)[k] * pull[d]});
+    }
 }
 
 template <int Dim> void CarriedBonds<Dim>::watch(std::span<const pd::BreakRule> rules)

@@ -13,15 +13,15 @@ StepBreaker::StepBreaker(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, const
   StepBreaker::save();
 }
 
-void StepBreaker::apply(std::span<const double> u)
+void StepBreaker::apply(std::span<const double> u, field::ForceLosses& losses)
 {
   static Event event("pd_break");
   if (steps_ == Steps::as_terms) {
     const Timed timed(event);
     now_ += bonds_.break_bonds(bonds_.load(u), rules_);
   } else if (bonds_.overstretched_seen())
-    now_ += bonds_.break_overstretched();
-  if (carried_ && carried_->overstretched_seen()) now_ += carried_->break_bonds(u, rules_);
+    now_ += bonds_.break_overstretched(&losses);
+  if (carried_ && carried_->overstretched_seen()) now_ += carried_->break_bonds(u, rules_, &losses);
 }
 
 void StepBreaker::save()

@@ -253,12 +253,12 @@ template <int Dim> bool BondTerm<Dim>::overstretched_seen() const
   return false;
 }
 
-template <int Dim> Broken BondTerm<Dim>::break_overstretched()
+template <int Dim> Broken BondTerm<Dim>::break_overstretched(field::ForceLosses* losses)
 {
   static Event event("pd_break");
   Timed timed(event);
   Broken broken;
-  for (const auto& strip : strips_) broken += strip->break_bonds();
+  for (const auto& strip : strips_) broken += strip->break_bonds(losses);
   ++revision_;
   return broken;
 }

@@ -128,18 +128,37 @@ template <int Dim> Broken LatticePart<Dim>::break_bonds(const Window& loaded, Br
   return broken;
 }
 
-template <int Dim> Broken LatticePart<Dim>::lose(std::span<const LostBond<Dim>> lost, Kinematics kinematics)
+template <int Dim>
+Broken LatticePart<Dim>::lose(std::span<const LostBond<Dim>> lost, Kinematics kinematics, field::ForceLosses* losses)
 {
   Broken broken;
   if (!lost.empty()) remember_volume();
   for (const LostBond<Dim>& bond : lost) {
     words_[bond.arm / 64][static_cast<std::size_t>(bond.at)] &= ~(std::uint64_t{1} << bond.arm % 64);
     note_loss(bond.at, bond.arm);
+    if (losses) note_force(bond, kinematics, *losses);
     if (!(traits_[static_cast<std::size_t>(bond.at)] & kOwned)) continue;
     ++broken.bonds;
     broken.energy += energy_of(bond.at, bond.arm, stretch(bond.eta, bond.arm, kinematics));
   }
   return broken;
+}
+
+/// What a bond pulled its owned ends with, as internal force: -kappa s n on the lower end, the opposite on the other.
+template <int Dim>
+void LatticePart<Dim>::note_force(const LostBond<Dim>& bond, Kinematics kinematics, field::ForceLosses& losses) const
+{
+  const Arm<Dim>& arm = stencil_.half[bond.arm];
+  const law::BondState<Dim> state = kinematics == Kinematics::finite
+                                        ? law::finite_state<Dim>(arm.xi, arm.length, bond.eta)
+                                        : law::linear_state<Dim>(arm.xi, arm.length, bond.eta);
+  const std::ptrdiff_t end = bond.at + arms_[bond.arm].jump;
+  const Vector<Dim> pull = surface_factor(bond.at, end) * arm.kappa * state.stretch * state.direction;
+  for (const auto& [site, sign] : {std::pair{bond.at, -1.0}, std::pair{end, 1.0}}) {
+    if (!(traits_[static_cast<std::size_t>(site)] & kOwned)) continue;
+    const Index row = local_rows_[static_cast<std::size_t>(site)];
+    for (int d = 0; d < Dim; ++d) losses.push_back({row * Dim + d, sign * pull[d]});
+  }
 }
 
 template <int Dim>
@@ -292,7 +311,7 @@ template <int Dim> void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolu
   template void LatticePart<Dim>::protect(std::span<const geom::Box<2>>);                                              \
   template std::int64_t LatticePart<Dim>::cut(const crack::CrackSet&);                                                 \
   template Broken LatticePart<Dim>::break_bonds(const Window&, BreakRule);                                             \
-  template Broken LatticePart<Dim>::lose(std::span<const LostBond<Dim>>, Kinematics);                                  \
+  template Broken LatticePart<Dim>::lose(std::span<const LostBond<Dim>>, Kinematics, field::ForceLosses*);             \
   template void LatticePart<Dim>::overstretched(const Window&, BreakRule, std::vector<double>&) const;                 \
   template void LatticePart<Dim>::save();                                                                              \
   template void LatticePart<Dim>::restore();                                                                           \

@@ -203,7 +203,7 @@ template <int Dim> bool StripPart<Dim>::overstretched_seen() const
   return std::any_of(tasks_.begin(), tasks_.end(), [this](const StripTask& t) { return t.highest > threshold_; });
 }
 
-template <int Dim> Broken StripPart<Dim>::break_bonds()
+template <int Dim> Broken StripPart<Dim>::break_bonds(field::ForceLosses* losses)
 {
   found_.clear();
   for (StripTask& task : tasks_) {
@@ -222,7 +222,7 @@ template <int Dim> Broken StripPart<Dim>::break_bonds()
     for (int d = 0; d < Dim; ++d) eta[d] = u[arms_[bond.arm].jump + d * lanes_] - u[d * lanes_];
     lost.push_back({site, bond.arm, eta});
   }
-  return part_.lose(lost, kinematics_);
+  return part_.lose(lost, kinematics_, losses);
 }
 
 #define PDX_INSTANTIATE(Dim)                                                                                           \
@@ -231,7 +231,7 @@ template <int Dim> Broken StripPart<Dim>::break_bonds()
   template void StripPart<Dim>::sweep(double*, bool);                                                                  \
   template double StripPart<Dim>::energy(double*);                                                                     \
   template bool StripPart<Dim>::overstretched_seen() const;                                                            \
-  template Broken StripPart<Dim>::break_bonds()
+  template Broken StripPart<Dim>::break_bonds(field::ForceLosses*)
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
 } // namespace pdx::pd

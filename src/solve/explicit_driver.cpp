@@ -71,6 +71,15 @@ void ExplicitDriver::set_acceleration(const StepOrigin& origin, std::span<const 
   resume_steps(ts_.get(), origin, values.get());
 }
 
+void ExplicitDriver::let_go(const field::ForceLosses& losses)
+{
+  double* values = nullptr;
+  Vec a = pdx::solve::acceleration(ts_.get());
+  PDX_CALL(VecGetArray(a, &values));
+  moving_.let_go(losses, {values, moving_.owned()});
+  PDX_CALL(VecRestoreArray(a, &values));
+}
+
 std::span<const double> ExplicitDriver::acceleration() const
 {
   const double* values = nullptr;

@@ -89,6 +89,22 @@ void MovingSystem::accelerate(std::span<double> f) const
   for (const Index c : system.prescribed.components) f[static_cast<std::size_t>(c)] = 0.0;
 }
 
+void MovingSystem::let_go(std::span<const field::ForceLoss> losses, std::span<double> a)
+{
+  const auto& held = system.prescribed.components;
+  for (const field::ForceLoss& loss : losses)
+    if (system.held[static_cast<std::size_t>(loss.component)])
+      held_[static_cast<std::size_t>(std::ranges::find(held, loss.component) - held.begin())] -= loss.force;
+    else if (ties_.empty())
+      a[static_cast<std::size_t>(loss.component)] +=
+          inverse_mass_[static_cast<std::size_t>(loss.component / system.rows.dim)] * loss.force;
+  if (ties_.empty()) return;
+  std::vector<double> change(owned(), 0.0); // ties pass forces on to other rows
+  for (const field::ForceLoss& loss : losses) change[static_cast<std::size_t>(loss.component)] -= loss.force;
+  accelerate(change);
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] += change[i];
+}
+
 void MovingSystem::add_inertia(std::span<const double> x, std::span<double> y) const
 {
   const auto dim = static_cast<std::size_t>(system.rows.dim);

@@ -79,8 +79,10 @@ bool TimeDriver::sound()
 void TimeDriver::after_step()
 {
   after_evaluations();
-  for (const auto& change : moving_.system.after_step) change->apply(moving_.u);
   moving_.book();
+  losses_.clear();
+  for (const auto& change : moving_.system.after_step) change->apply(moving_.u, losses_);
+  if (!losses_.empty()) let_go(losses_);
   moving_.note();
   if (step() % kCheckInterval == 0 || step() >= expected_steps()) {
     if (!sound()) {

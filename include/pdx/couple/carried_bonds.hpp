@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/couple/carried_points.hpp"
+#include "pdx/field/force_loss.hpp"
 #include "pdx/field/term.hpp"
 #include "pdx/law/bond_force.hpp"
 #include "pdx/pd/breaker.hpp"
@@ -47,7 +48,9 @@ public:
 
   /// Breaks all bonds with s > s0 at displacement u (local blocks [owned | halo]). Ranks that hold the same bond judge
   /// it alike. @param rules one per patch   @return what this rank counts, as in `energy`
-  pd::Broken break_bonds(std::span<const double> u, std::span<const pd::BreakRule> rules);
+  /// @param losses if not null, the forces of the broken bonds on owned rows are appended
+  pd::Broken break_bonds(std::span<const double> u, std::span<const pd::BreakRule> rules,
+                         field::ForceLosses* losses = nullptr);
   /// From now on `add_residual` looks for bonds that these rules would break at its displacement.
   void watch(std::span<const pd::BreakRule> rules);
   bool overstretched_seen() const { return overstretched_seen_; } ///< by the last `add_residual`, on this rank
@@ -84,6 +87,7 @@ private:
   /// Calls visit(number, stretch) for the intact bonds that a rule breaks at u.
   template <class Visit>
   void for_each_overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules, Visit&& visit) const;
+  void note_force(std::size_t number, pd::Kinematics kinematics, field::ForceLosses& losses) const;
   Vector<Dim> stretch_vector(const CarriedBond<Dim>& bond, std::span<const double> d) const;
   template <class Visit> void for_each_group(Visit&& visit) const;
 

@@ -14,7 +14,7 @@ public:
   /// As for Fracture; `options.release` is not asked.
   StepBreaker(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, const FractureOptions& options, Steps steps);
 
-  void apply(std::span<const double> u) override;
+  void apply(std::span<const double> u, field::ForceLosses& losses) override;
   void save() override;
   void restore() override;
 

@@ -1,4 +1,6 @@
 #pragma once
+#include "pdx/field/force_loss.hpp"
+
 #include <span>
 
 namespace pdx::field {
@@ -9,7 +11,9 @@ class AfterStep {
 public:
   virtual ~AfterStep() = default;
   /// @param u local blocks [owned | halo] [m]
-  virtual void apply(std::span<const double> u) = 0;
+  /// @param losses what the change took from the internal forces at u is appended: the step that ended felt them, the
+  ///        next one does not, and neither energy nor momentum goes astray
+  virtual void apply(std::span<const double> u, ForceLosses& losses) = 0;
   /// Remembers the state; `restore` goes back to the state remembered last, as often as asked. The state at
   /// construction counts as remembered.
   virtual void save() = 0;

@@ -46,7 +46,8 @@ public:
   bool overstretched_seen() const;
   /// Breaks what is overstretched at the displacement of the last `add_residual` or `energy`; returns what this rank
   /// counts. Only tiles where they saw something are looked at, and no rank waits for another.
-  Broken break_overstretched();
+  /// @param losses the forces of the broken bonds on owned rows are appended
+  Broken break_overstretched(field::ForceLosses* losses = nullptr);
   /// Tiles of bonds that passes in lane strips computed, and those they skipped because they were at rest; this rank.
   std::int64_t tiles_computed() const;
   std::int64_t tiles_skipped() const;

@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/field/force_loss.hpp"
 #include "pdx/field/rows.hpp"
 #include "pdx/geom/lattice.hpp"
 #include "pdx/pd/breaker.hpp"
@@ -84,7 +85,8 @@ public:
   /// Breaks all bonds that are overstretched at a loaded window; `rule.no_fail` is replaced by what `protect` said.
   Broken break_bonds(const Window& loaded, BreakRule rule);
   /// Takes out bonds that another layout of the same part found overstretched, in time that grows with their number.
-  Broken lose(std::span<const LostBond<Dim>> lost, Kinematics kinematics);
+  /// @param losses if not null, their forces on owned rows are appended
+  Broken lose(std::span<const LostBond<Dim>> lost, Kinematics kinematics, field::ForceLosses* losses = nullptr);
   /// True if `protect` keeps the bond along half arm `arm` of the site with window index `at`.
   bool protects(std::ptrdiff_t at, std::size_t arm) const
   {
@@ -137,6 +139,7 @@ private:
   template <class Visit> static void for_each_loss(const Words& before, const Words& after, Visit&& visit);
   void note_losses();
   void note_loss(std::ptrdiff_t i, std::size_t h);
+  void note_force(const LostBond<Dim>& bond, Kinematics kinematics, field::ForceLosses& losses) const;
   double surface_factor(std::ptrdiff_t i, std::ptrdiff_t j) const;
   double stretch(const Window& loaded, std::ptrdiff_t i, std::size_t h, Kinematics kinematics) const;
   double stretch(const Vector<Dim>& eta, std::size_t h, Kinematics kinematics) const;

@@ -31,7 +31,7 @@ public:
   bool overstretched_seen() const;
   /// Takes out the overstretched bonds at the displacement loaded last, where the last pass saw any: those that
   /// LatticePart::break_bonds would. @return what this rank counts
-  Broken break_bonds();
+  Broken break_bonds(field::ForceLosses* losses = nullptr);
   /// Reads all bonds of the LatticePart again, after it changed by other means.
   void take_over_words();
 

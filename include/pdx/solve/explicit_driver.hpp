@@ -25,5 +25,6 @@ private:
   StepOrigin origin() const override { return step_origin(ts_.get()); }
   void set_acceleration(const StepOrigin& origin, std::span<const double> a) override;
   void start(std::span<double> a) override;
+  void let_go(const field::ForceLosses& losses) override;
 };
 } // namespace pdx::solve

@@ -29,6 +29,8 @@ public:
   void unbalanced(double time, std::span<double> f);
   /// a = -M^-1 f in place, 0 where held.
   void accelerate(std::span<double> f) const;
+  /// The acceleration and the forces on what is held without internal forces that are no longer there.
+  void let_go(std::span<const field::ForceLoss> losses, std::span<double> a);
   /// y += M x, ties included.
   void add_inertia(std::span<const double> x, std::span<double> y) const;
   /// Overwrites held components by what drives them.

@@ -67,6 +67,9 @@ protected:
   virtual void set_acceleration(const StepOrigin& origin, std::span<const double> a) = 0;
   /// The acceleration at the start.
   virtual void start(std::span<double> a) = 0;
+  /// Takes internal forces that are no longer there out of the acceleration: the step that ended felt them, the next
+  /// one does not.
+  virtual void let_go(const field::ForceLosses& losses) = 0;
   virtual void after_evaluations() {} ///< of a step, before what may change the scene looks at it
 
   MovingSystem moving_;
@@ -83,6 +86,7 @@ private:
   double energy_bound_ = 0.0;
   bool resumed_ = false;
   AfterEach after_each_;
+  field::ForceLosses losses_;
   struct Good {
     std::vector<double> u, v, a, held;
     Clock clock;
