@@ -48,16 +48,14 @@ def on_line(run, time):
     return time, x[line, 0], u[line, 0]
 
 
-def source_side(x, patch=PATCH):
-    return x > patch[1] + 1e-9
+def source_side(x):
+    return x > PATCH[1] + 1e-9
 
 
-def reflection(run, reference, time, line=True):
-    """Largest |u_x - u_x of elements alone| between source and patch, over the amplitude. On the line at half the
-    height, or anywhere."""
-    read = on_line if line else (lambda r, t: (lambda t, x, u: (t, x[:, 0], u[:, 0]))(*on_nodes(r, t)))
-    _, x, u = read(run, time)
-    _, _, alone = read(reference, time)
+def reflection(run, reference, time):
+    """Largest |u_x - u_x of elements alone| on the line between source and patch, over the amplitude."""
+    _, x, u = on_line(run, time)
+    _, _, alone = on_line(reference, time)
     return np.abs(u - alone)[source_side(x)].max() / AMPLITUDE
 
 

@@ -56,8 +56,8 @@ class Limit(program.ProgramTest):
 
 class Ranks(program.ProgramTest):
     def test_without_particles_step_too(self):
-        scene = HIT | {"-mesh_cells": "12,12", "-pd_patches": "0.25,0.25,0.5,0.5", "-output_fields": ""}
-        scene |= {"-pd_spacing": "0.041666666666666667", "-ts_max_steps": "50"}
+        scene = HIT | {"-mesh_cells": "32,32", "-pd_patches": "0.125,0.125,0.25,0.25", "-output_fields": ""}
+        scene |= {"-pd_spacing": "0.015625", "-ts_max_steps": "50"}
         one, three = self.solve(scene), self.solve(scene, 3)
         self.assertEqual(min(three.summary["partition"]["particles_per_rank"]), 0)
         self.assert_same_displacement(one, three, tolerance=1e-10)
