@@ -209,10 +209,8 @@ OutputOptions read_output(const std::string& case_name, bool dynamic)
   output.fields = o.boolean("-output_fields", false, "write fields.h5 and fields.xdmf for ParaView");
   output.times = o.reals("-output_times", {}, 0, "s", "in time: fields at the steps nearest to these times");
   std::ranges::sort(output.times);
-  output.interval = o.integer("-output_interval",
-                              !output.times.empty() ? 1000000000
-                              : dynamic             ? 100
-                                                    : 1,
+  const int usual = !dynamic ? 1 : output.times.empty() ? 100 : 1000000000;
+  output.interval = o.integer("-output_interval", usual,
                               "accepted steps between fields (in time: 100, with -output_times none); the last step is "
                               "always written",
                               {1.0, 1e9});

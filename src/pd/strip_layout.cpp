@@ -207,7 +207,6 @@ template <int Dim> std::vector<std::uint8_t> StripPart<Dim>::around(const std::v
 {
   if (tiles.empty()) return {}; // a rank without particles
   std::vector<std::uint8_t> now = tiles, next;
-  if (tiles.empty()) return now;
   std::ptrdiff_t stride = 1;
   for (std::size_t d = 0; d < Dim; ++d) {
     const Index count = tiles_[d], rings = d == 0 ? 1 : (stencil_reach_ + span_[d] - 1) / span_[d];

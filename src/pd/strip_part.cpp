@@ -86,7 +86,6 @@ template <int Dim> void StripPart<Dim>::load_piece(Piece& piece, const double* o
 /// Tiles whose bonds may have a force, and the lines that these reach.
 template <int Dim> void StripPart<Dim>::choose_tiles()
 {
-  if (tasks_.empty()) return; // no particle on this rank
   const std::vector<std::uint8_t> near = around(busy_);
   std::vector<std::uint8_t> computed(tasks_.size(), 0);
   chosen_.clear();
