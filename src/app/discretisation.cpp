@@ -202,6 +202,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   if (d.bonds) {
     add_fracture(options, plan, d);
     if (options.time.analysis == Analysis::explicit_dynamics && !d.breaker) d.bonds->step_explicitly({});
+    d.bonds->skip_below(options.pd.skip_tolerance);
   }
   if (assembled || !d.bonds || options.time.dynamic()) return result;
 

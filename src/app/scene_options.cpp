@@ -71,6 +71,9 @@ PdOptions read_pd(const law::Elastic& elastic, bool describe)
       "-pd_surface_correction", 0, corrections, "volume method: at free peridynamic surfaces only, never, always"));
   pd.solver = static_cast<PdOperator>(
       o.choice("-pd_operator", 0, operators, "tangent: matrix-free two-level, or one assembled matrix"));
+  pd.skip_tolerance = o.real("-pd_skip_tolerance", 0.0, "m",
+                             "explicit: bonds among displacements up to this size are left out; 0 changes no result, "
+                             "below 0 none are");
   if (describe || !pd.any()) return pd;
   if (pd.spacing.empty()) throw UserError("-pd_spacing is missing: give the lattice spacing of the patches in m");
   if (pd.spacing.size() > 1 && pd.spacing.size() != pd.patches.size())
@@ -204,9 +207,13 @@ OutputOptions read_output(const std::string& case_name, bool dynamic)
   OutputOptions output;
   output.directory = o.text("-output_dir", "out/" + case_name, "directory for all files");
   output.fields = o.boolean("-output_fields", false, "write fields.h5 and fields.xdmf for ParaView");
-  output.interval =
-      o.integer("-output_interval", dynamic ? 100 : 1,
-                "accepted steps between fields (in time: 100); the last step is always written", {1.0, 1e9});
+  output.times = o.reals("-output_times", {}, 0, "s", "in time: fields at the steps nearest to these times");
+  std::ranges::sort(output.times);
+  const int usual = !dynamic ? 1 : output.times.empty() ? 100 : 1000000000;
+  output.interval = o.integer("-output_interval", usual,
+                              "accepted steps between fields (in time: 100, with -output_times none); the last step is "
+                              "always written",
+                              {1.0, 1e9});
   output.history = o.boolean("-output_history", false, "write history.csv");
   output.history_interval = o.integer("-output_history_interval", dynamic ? 10 : 1,
                                       "accepted steps between rows of history.csv (in time: 10)", {1.0, 1e9});
@@ -228,6 +235,7 @@ void judge_time(const SceneOptions& s)
       throw UserError("-post_reference_fe and -post_energy_release compare equilibria: they need -analysis static");
     return;
   }
+  if (!s.output.times.empty()) throw UserError("-output_times acts in time: give -analysis explicit or implicit");
   for (const BoundaryCondition& c : s.conditions)
     if (c.moves() || c.initial_velocity || c.history)
       throw UserError(fmt::format("-bc_{}_{} acts in time: give -analysis explicit or implicit", c.name,

@@ -121,13 +121,26 @@ void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEn
   files_.history->row(row);
 }
 
+/// Takes off the times that are nearer to this step than to the next.
+bool TimeRecorder::fields_due(const solve::TimeDriver& driver)
+{
+  const OutputOptions& output = files_.options.output;
+  if (!files_.fields) return false;
+  bool due = driver.step() % output.interval == 0;
+  for (; next_time_ < output.times.size(); ++next_time_) {
+    if (output.times[next_time_] >= driver.time() + 0.5 * driver.step_length()) break;
+    due = due || output.times[next_time_] >= driver.time() - 0.5 * driver.step_length();
+  }
+  return due;
+}
+
 void TimeRecorder::after_step(const solve::TimeDriver& driver)
 {
   const OutputOptions& output = files_.options.output;
   const int step = driver.step(), last = driver.expected_steps();
   files_.summary.steps = step;
   const bool looks = (output.history || d_->breaker) && step % output.history_interval == 0;
-  const bool pictures = files_.fields && step % output.interval == 0;
+  const bool pictures = fields_due(driver);
   if (step >= last) return; // `finish` does it
   if (looks || pictures) {
     const double begin = MPI_Wtime();
@@ -155,6 +168,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver)
   results["strain_energy_interface"] = e.stored.interface;
   results["external_work"] = e.work;
   results["initial_energy"] = e.initial;
+  write_tiles();
   if (d_->breaker) {
     results["fracture_energy"] = e.stored.dissipated;
     results["critical_stretch"] = d_->critical_stretch;
@@ -168,6 +182,16 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver)
     if (d_->bonds)
       results["pd_energy_ratio_final"] = (e.kinetic_particles + e.stored.bonds + e.stored.interface) / largest_energy_;
   }
+}
+
+/// Tiles of bonds in all passes of an explicit run.
+void TimeRecorder::write_tiles()
+{
+  if (!d_->bonds || files_.options.time.analysis != Analysis::explicit_dynamics) return;
+  std::int64_t tiles[] = {d_->bonds->tiles_computed(), d_->bonds->tiles_skipped()};
+  MPI_Allreduce(MPI_IN_PLACE, tiles, 2, MPI_INT64_T, MPI_SUM, files_.comm());
+  files_.summary.results["pd_tiles_computed"] = tiles[0];
+  files_.summary.results["pd_tiles_skipped"] = tiles[1];
 }
 
 void TimeRecorder::finish(const solve::TimeDriver& driver)

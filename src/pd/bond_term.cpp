@@ -243,7 +243,14 @@ template <int Dim> void BondTerm<Dim>::step_explicitly(std::span<const BreakRule
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     strips_.push_back(std::make_unique<StripPart<Dim>>(*parts_[p], kinematics_, processor));
     if (!rules.empty()) strips_[p]->watch(rules[p].critical_stretch);
+    strips_[p]->skip_below(at_rest_);
   }
+}
+
+template <int Dim> void BondTerm<Dim>::skip_below(double displacement)
+{
+  at_rest_ = displacement;
+  for (const auto& strip : strips_) strip->skip_below(displacement);
 }
 
 template <int Dim> bool BondTerm<Dim>::overstretched_seen() const

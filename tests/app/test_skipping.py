@@ -14,6 +14,29 @@ CUT_BOTH = PATCH | NOTCH | {"-mesh_cells": "20,15", "-pd_patches": "0.3,0.333333
 NEVER = {"-material_toughness": "1e12"}  # [J/m^2] nothing reaches it
 
 
+# 2 x 1 m, a wave at about 1 m/s from the right into 80 x 40 particles in the middle.
+WAVE = {
+    "-case": "wave",
+    "-analysis": "explicit",
+    "-mesh_lower": "0,0",
+    "-mesh_upper": "2,1",
+    "-mesh_cells": "40,20",
+    "-material_young": "1",
+    "-material_density": "1",
+    "-bc_names": "pulse",
+    "-bc_pulse_on": "right",
+    "-bc_pulse_displacement": "1e-3,free",
+    "-bc_pulse_history": "gaussian",
+    "-bc_pulse_history_time": "0.3",
+    "-bc_pulse_history_width": "0.1",
+    "-pd_patches": "0.5,0.25,1.5,0.75",
+    "-pd_spacing": "0.0125",
+    "-ts_max_time": "0.9",
+    "-quiet": "",
+}
+ALL_FILES = {"-output_history": "", "-output_fields": "", "-output_interval": "20"}
+
+
 def of_room(events, room):
     return [name for name in events if name.startswith(room + "_")]
 
@@ -144,6 +167,49 @@ class Work(program.ProgramTest):
 
     def test_papers_kinematics_of_elements_alone_are_linear(self):
         self.assert_work(self.solve(SMALL | {"-kinematics": "mixed"}), newton_iterations=1, jacobian_assemblies=1)
+
+
+class Time(program.ProgramTest):
+    """What explicit steps leave out."""
+
+    def tiles(self, run):
+        return [run.summary["results"][f"pd_tiles_{what}"] for what in ("computed", "skipped")]
+
+    def test_bonds_the_wave_has_not_reached_are_skipped_without_changing_a_bit(self):
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                some, every = (self.solve(WAVE | ALL_FILES | {"-pd_skip_tolerance": t}, ranks) for t in ("0", "-1"))
+                computed, skipped = self.tiles(some)
+                self.assertGreater(skipped, 0)
+                self.assertEqual(self.tiles(every), [computed + skipped, 0])
+                self.assertEqual(*((run.directory / "history.csv").read_bytes() for run in (some, every)))
+                self.assert_same_displacement(some, every, tolerance=0.0)
+
+    def test_a_tolerance_skips_more_and_changes_little(self):
+        exact, near = self.solve(WAVE | ALL_FILES), self.solve(WAVE | ALL_FILES | {"-pd_skip_tolerance": "1e-9"})
+        self.assertGreater(self.tiles(near)[1], 2 * self.tiles(exact)[1])
+        self.assert_same_displacement(exact, near, tolerance=1e-4)
+
+    def test_implicit_steps_count_no_tiles(self):
+        run = self.solve(WAVE | {"-analysis": "implicit", "-ts_dt": "0.1", "-ts_max_steps": "2"})
+        self.assertNotIn("pd_tiles_computed", run.summary["results"])
+
+    def test_nothing_breaks_without_a_toughness_nor_where_no_bond_is_stretched_enough(self):
+        for options in (WAVE, WAVE | NEVER):
+            with self.subTest(toughness=options.get("-material_toughness")):
+                run = self.solve(options)
+                self.assertNotIn("pd_break", run.events)
+                self.assertEqual(run.summary["bonds_broken"], 0)
+
+    def test_no_output_asked_none_written(self):
+        run = self.solve(WAVE)
+        self.assertEqual(of_room(run.events, "io"), [])
+        self.assertEqual(run.files, ["summary.json"])
+
+    def test_elements_only_run_neither_bonds_nor_coupling(self):
+        run = self.solve(WAVE | {"-pd_patches": None, "-pd_spacing": None})
+        self.assertEqual([of_room(run.events, room) for room in ("pd", "couple", "xfem", "io")], [[], [], [], []])
+        self.assertNotIn("pd_tiles_computed", run.summary["results"])
 
 
 if __name__ == "__main__":

@@ -42,6 +42,7 @@ struct PdOptions {
   pd::Calibration calibration = pd::Calibration::lattice;
   SurfaceCorrection surface_correction = SurfaceCorrection::automatic;
   PdOperator solver = PdOperator::automatic;
+  double skip_tolerance = 0.0; ///< explicit: bonds whose displacements do not exceed it are skipped; below 0: none [m]
   bool any() const { return everywhere || !patches.empty(); }
   double spacing_of(std::size_t patch) const { return spacing.size() == 1 ? spacing[0] : spacing[patch]; }
 };
@@ -49,8 +50,9 @@ struct PdOptions {
 struct OutputOptions {
   std::string directory;
   bool fields = false, history = false, quiet = false;
-  int interval = 1;         ///< accepted steps from one set of fields to the next; the last is always written
-  int history_interval = 1; ///< steps from one row of history.csv, and one look at the energies, to the next
+  int interval = 1;          ///< accepted steps from one set of fields to the next; the last is always written
+  std::vector<double> times; ///< fields at the steps nearest to them as well, ascending [s]
+  int history_interval = 1;  ///< steps from one row of history.csv, and one look at the energies, to the next
 };
 
 /// All that a user may say about a scene; read once, judged once, refused not mended.

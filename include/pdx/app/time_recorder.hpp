@@ -44,7 +44,9 @@ private:
   void look(const solve::TimeDriver& driver);
   void write_history(const solve::TimeDriver& driver, const MotionEnergies& energies);
   void write_results(const solve::TimeDriver& driver);
+  void write_tiles();
   void print_phases(const solve::TimeDriver& driver);
+  bool fields_due(const solve::TimeDriver& driver);
   std::vector<double> held_forces(const solve::TimeDriver& driver) const;
 
   RunFiles& files_;
@@ -56,5 +58,6 @@ private:
   double largest_residual_ = 0.0; // [J]
   double begin_ = 0.0, output_ = 0.0;
   int first_step_ = 0;
+  std::size_t next_time_ = 0; // of OutputOptions::times
 };
 } // namespace pdx::app

@@ -42,6 +42,8 @@ public:
   /// forces are added up. Collective.
   /// @param rules one per patch; none: nothing breaks   @param processor the version to run in
   void step_explicitly(std::span<const BreakRule> rules, Processor processor = chosen_processor());
+  /// As StripPart::skip_below, for all patches [m].
+  void skip_below(double displacement);
   /// True if the last `add_residual` or `energy` saw a bond of this rank that may be overstretched.
   bool overstretched_seen() const;
   /// Breaks what is overstretched at the displacement of the last `add_residual` or `energy`; returns what this rank
@@ -78,5 +80,6 @@ private:
   Windows state_; // displacement the tangent is taken at
   mutable Windows scratch_;
   std::vector<std::unique_ptr<StripPart<Dim>>> strips_; // of all parts, or none
+  double at_rest_ = 0.0;                                // see skip_below [m]
 };
 } // namespace pdx::pd
