@@ -22,7 +22,7 @@ struct CoveredEdge {
 class Conditions {
 public:
   Conditions(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
-      : mesh_(mesh), options_(options), plan_(plan), d_(d)
+      : mesh_(mesh), options_(options), plan_(plan), d_(d), entries_(options, d)
   {
     for (std::size_t k = 0; k < d.particles.size(); ++k)
       row_of_[{d.particles[k].patch, d.particles[k].site}] = d.system.rows.first_particle() + static_cast<Index>(k);
@@ -30,25 +30,17 @@ public:
 
   void apply()
   {
-    auto& load = d_.system.load;
-    const auto size = static_cast<std::size_t>(d_.system.rows.owned()) * 2;
-    load.assign(size, 0.0);
     for (const BoundaryCondition& c : options_.conditions) {
-      if (c.holds()) hold(c);
-      if (c.initial_velocity) throw_in(c);
+      if (c.holds()) entries_.hold(c, rows_of(c));
+      if (c.initial_velocity) entries_.throw_in(c, rows_of(c));
       if (!c.traction && !c.body && !c.force) continue;
-      load_.assign(size, 0.0);
+      load_.assign(static_cast<std::size_t>(d_.system.rows.owned()) * 2, 0.0);
       if (c.traction) pull(c);
       if (c.body) weigh(c);
       if (c.force) push(c);
-      if (options_.time.dynamic()) drive_load(c);
-      for (std::size_t k = 0; k < size; ++k) load[k] += load_[k];
+      entries_.load(c, load_);
     }
-    for (const auto& [component, held] : values_) {
-      d_.system.prescribed.components.push_back(component);
-      d_.system.prescribed.values.push_back(held.value);
-    }
-    if (options_.time.dynamic()) drive_held();
+    entries_.finish();
   }
 
 private:
@@ -103,33 +95,6 @@ private:
     return rows;
   }
 
-  /// The sparse part of `load_` that acts with this condition's history.
-  void drive_load(const BoundaryCondition& c)
-  {
-    field::Drive drive{field::Drive::Kind::force, c.history.value_or(field::History()), {}, {}};
-    for (std::size_t k = 0; k < load_.size(); ++k) {
-      if (load_[k] == 0.0) continue;
-      drive.components.push_back(static_cast<Index>(k));
-      drive.values.push_back(load_[k]);
-    }
-    d_.system.drives.push_back(std::move(drive));
-  }
-
-  /// Held components by the condition that holds them, displacements and velocities apart.
-  void drive_held()
-  {
-    std::map<std::pair<std::size_t, bool>, field::Drive> drives;
-    for (const auto& [component, held] : values_) {
-      const BoundaryCondition& c = options_.conditions[held.condition];
-      field::Drive& drive = drives[{held.condition, held.moves}];
-      drive.kind = held.moves ? field::Drive::Kind::velocity : field::Drive::Kind::displacement;
-      drive.history = c.history.value_or(field::History());
-      drive.components.push_back(component);
-      drive.values.push_back(held.value);
-    }
-    for (auto& [key, drive] : drives) d_.system.drives.push_back(std::move(drive));
-  }
-
   /// What the condition's boundary and box select; without either, everything.
   std::set<Index> rows_of(const BoundaryCondition& c) const
   {
@@ -152,38 +117,6 @@ private:
     return rows;
   }
 
-  bool is_set(Index row) const { return row >= d_.system.rows.nodes && row < d_.system.rows.first_particle(); }
-
-  void throw_in(const BoundaryCondition& c)
-  {
-    auto& velocity = d_.system.initial_velocity;
-    velocity.resize(static_cast<std::size_t>(d_.system.rows.owned()) * 2, 0.0);
-    for (const Index row : rows_of(c))
-      for (Index a = 0; a < 2; ++a)
-        velocity[static_cast<std::size_t>(2 * row + a)] = is_set(row) ? 0.0 : (*c.initial_velocity)[a];
-  }
-
-  void hold(const BoundaryCondition& c)
-  {
-    const std::set<Index> rows = rows_of(c);
-    HeldPart part{c.name, {}};
-    const auto take_over = [&](Index component) { // later conditions win, and the reaction is theirs
-      for (HeldPart& earlier : d_.held_parts) std::erase(earlier.components, component);
-    };
-    for (const Index row : rows)
-      for (Index a = 0; a < 2; ++a) {
-        const bool moves = c.velocity[static_cast<std::size_t>(a)].has_value();
-        if (const auto& value = (moves ? c.velocity : c.displacement)[static_cast<std::size_t>(a)]) {
-          const bool contested = values_.contains(2 * row + a);
-          values_[2 * row + a] = {is_set(row) ? 0.0 : *value, static_cast<std::size_t>(&c - options_.conditions.data()),
-                                  moves}; // a held crack does not open
-          if (contested) take_over(2 * row + a);
-          part.components.push_back(2 * row + a);
-        }
-      }
-    d_.held_parts.push_back(std::move(part));
-  }
-
   void add_node(Index v, std::set<Index>& rows) const
   {
     const PetscInt row = d_.node_rows[static_cast<std::size_t>(v)];
@@ -204,15 +137,16 @@ private:
   void pull(const BoundaryCondition& c)
   {
     const auto edges = edges_of(c);
-    fem::add_traction(mesh_, edges, *c.traction, options_.elastic.thickness, target());
-    if (d_.sets) xfem::add_traction(mesh_, *d_.sets, edges, *c.traction, options_.elastic.thickness, target());
+    const Vector<2> traction = c.traction->head<2>();
+    fem::add_traction(mesh_, edges, traction, options_.elastic.thickness, target());
+    if (d_.sets) xfem::add_traction(mesh_, *d_.sets, edges, traction, options_.elastic.thickness, target());
     double length = 0.0;
     for (const mesh::BoundaryEdge& e : edges)
       if (mesh_.use(e.cell) != mesh::Use::covered) length += 1.0;
     for (const CoveredEdge& e : covered_edges(edges)) {
       const double dx = plan_.shapes[static_cast<std::size_t>(e.patch)].lattice.dx;
       const double share = dx * options_.elastic.thickness / c.rows;
-      for (const Index row : particles_under(e, c.rows)) add(row, share * *c.traction);
+      for (const Index row : particles_under(e, c.rows)) add(row, share * traction);
       length += 1.0;
     }
     if (!any_rank(mesh_.comm(), length > 0.0))
@@ -225,7 +159,7 @@ private:
     bool reached = false;
     const auto density = [&](const Vector<2>& x) {
       reached = reached || inside(c, x);
-      return inside(c, x) ? *c.body : Vector<2>(0.0, 0.0);
+      return inside(c, x) ? Vector<2>(c.body->head<2>()) : Vector<2>(0.0, 0.0);
     };
     fem::add_body_force(mesh_, density, options_.elastic.thickness, target());
     if (d_.sets) xfem::add_body_force(mesh_, *d_.sets, density, options_.elastic.thickness, target());
@@ -270,13 +204,8 @@ private:
   const PatchPlan& plan_;
   Discretisation& d_;
   std::map<std::pair<int, Index>, Index> row_of_;
-  struct Held {
-    double value = 0.0; ///< [m] or [m/s]
-    std::size_t condition = 0;
-    bool moves = false; ///< it is a velocity
-  };
-  std::map<Index, Held> values_; // later conditions win
-  std::vector<double> load_;     // of one condition [N]
+  Prescriptions entries_;
+  std::vector<double> load_; // of one condition [N]
 };
 } // namespace
 

@@ -3,7 +3,6 @@
 #include "pdx/app/apply_conditions.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/couple/coarse_mesh.hpp"
-#include "pdx/geom/clip.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 
 #include <algorithm>
@@ -11,29 +10,11 @@
 
 namespace pdx::app {
 namespace {
-/// A crack may leave the body, but must be somewhere in it.
-void refuse_cracks_outside(const std::vector<crack::Polyline>& cracks, const geom::Box<2>& body)
-{
-  for (std::size_t k = 0; k < cracks.size(); ++k) {
-    bool inside = cracks[k].size() < 2; // another error
-    for (std::size_t p = 0; p + 1 < cracks[k].size(); ++p)
-      inside = inside || geom::clip<2>(cracks[k][p], cracks[k][p + 1], body);
-    if (!inside)
-      throw UserError(fmt::format("crack {}: from ({:g}, {:g}) to ({:g}, {:g}) no part of it is in the body, which is "
-                                  "({:g}, {:g}) to ({:g}, {:g})",
-                                  k + 1, cracks[k].front().x(), cracks[k].front().y(), cracks[k].back().x(),
-                                  cracks[k].back().y(), body.lower.x(), body.lower.y(), body.upper.x(),
-                                  body.upper.y()));
-  }
-}
-
 void cut_cells(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
 {
   d.body = options.mesh.file.empty() ? plan.body : mesh.bounds();
   if (options.cracks.lines.empty()) return;
-  const geom::Box<2> body = options.mesh.file.empty() ? plan.body : mesh.bounds();
-  d.cracks = crack::CrackSet(options.cracks.lines, body);
-  refuse_cracks_outside(options.cracks.lines, body);
+  d.cracks = cracks_in(options.cracks.lines, d.body);
   d.sets = std::make_unique<xfem::EnrichedSets>(mesh, d.cracks, options.cracks.rule);
 }
 
@@ -113,21 +94,16 @@ void add_fracture(const SceneOptions& options, const PatchPlan& plan, Discretisa
 {
   const FractureOptions& f = options.fracture;
   if (!f.active()) return;
-  for (const auto& stencil : plan.stencils)
-    d.critical_stretch.push_back(
-        f.critical_stretch ? *f.critical_stretch
-                           : pd::critical_stretch<2>(
-                                 stencil, law::BondLaw<2>(options.pd.micromodulus, options.elastic, stencil.horizon),
-                                 *f.toughness, f.by));
+  for (const auto& stencil : plan.stencils) d.critical_stretch.push_back(critical_stretch<2>(options, stencil));
   d.bonds_at_start = d.bonds->bonds() + (d.carried ? d.carried->bonds() : 0);
   MPI_Allreduce(MPI_IN_PLACE, &d.bonds_at_start, 1, MPI_INT64_T, MPI_SUM, d.system.rows.comm);
   const couple::FractureOptions rule{d.critical_stretch, f.no_fail, f.release, f.release_share,
                                      options.bond_kinematics()};
   if (options.time.dynamic()) {
-    using Steps = couple::StepBreaker::Steps;
+    using Steps = couple::StepBreaker<2>::Steps;
     const bool strips = options.time.analysis == Analysis::explicit_dynamics;
-    auto breaker =
-        std::make_unique<couple::StepBreaker>(*d.bonds, d.carried, rule, strips ? Steps::in_strips : Steps::as_terms);
+    auto breaker = std::make_unique<couple::StepBreaker<2>>(*d.bonds, d.carried, rule,
+                                                            strips ? Steps::in_strips : Steps::as_terms);
     d.breaker = breaker.get();
     d.system.after_step.push_back(std::move(breaker));
     return;
@@ -211,6 +187,16 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   system.coarse = std::make_unique<couple::CoarseMesh>(
       fem::ElasticBody{mesh, options.elastic, options.element_kinematics()}, *d.node_field, fine, system);
   return result;
+}
+
+post::Energies Discretisation::energies(std::span<const double> local) const
+{
+  post::Energies mine;
+  if (elements) mine.elements += elements->energy(local);
+  if (cut_elements) mine.elements += cut_elements->energy(local);
+  if (bonds) mine.bonds = bonds->energy(local);
+  if (carried) mine.interface = carried->energy(local);
+  return mine;
 }
 
 std::vector<double> Discretisation::energy_density(std::span<const double> local) const

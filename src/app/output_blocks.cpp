@@ -9,10 +9,20 @@
 
 namespace pdx::app {
 namespace {
-field::OutputField displacement_field(std::span<const double> pairs, std::size_t count)
+template <int Dim> std::array<double, 3> padded(const double* x)
+{
+  std::array<double, 3> all{};
+  std::copy_n(x, Dim, all.begin());
+  return all;
+}
+
+template <int Dim> field::OutputField displacement_field(std::span<const double> blocks, std::size_t count)
 {
   field::OutputField f{"displacement [m]", field::Rank::vector, false, false, {}};
-  for (std::size_t k = 0; k < count; ++k) f.values.insert(f.values.end(), {pairs[2 * k], pairs[2 * k + 1], 0.0});
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto value = padded<Dim>(&blocks[Dim * k]);
+    f.values.insert(f.values.end(), value.begin(), value.end());
+  }
   return f;
 }
 
@@ -52,7 +62,7 @@ field::OutputBlock mesh_block(const mesh::Mesh& mesh, const SceneOptions& option
     use.values.push_back(static_cast<double>(mesh.use(c)));
     rank.values.push_back(mesh.cell_owner(c));
   }
-  block.fields.push_back(displacement_field(displacement, owned));
+  block.fields.push_back(displacement_field<2>(displacement, owned));
   block.fields.push_back(
       stress_field(fem::nodal_stress({mesh, options.elastic, options.element_kinematics()}, displacement)));
   if (options.post.reference_fe)
@@ -62,56 +72,71 @@ field::OutputBlock mesh_block(const mesh::Mesh& mesh, const SceneOptions& option
   return block;
 }
 
+/// The particles of a scene, in the plane or in space.
+template <int Dim> struct ParticleScene {
+  const field::System& system;
+  const pd::BondTerm<Dim>& bonds;
+  const couple::CarriedBonds<Dim>* carried;
+  std::span<const pd::Particle> particles;
+  bool damaged; ///< bonds may be missing
+};
+
 /// 2 held, 1 some bond of a full family is missing or carried, 0 inner.
-double kind_of(const Discretisation& d, const PatchPlan& plan, std::size_t k)
+template <int Dim> double kind_of(const ParticleScene<Dim>& scene, std::size_t k)
 {
-  const auto row = static_cast<std::size_t>(d.system.rows.first_particle()) + k;
-  if (d.system.held[2 * row] || d.system.held[2 * row + 1]) return 2.0;
-  const pd::Particle& particle = d.particles[k];
-  const auto p = static_cast<std::size_t>(particle.patch);
-  const auto& lattice = plan.shapes[p].lattice;
-  const Site<2> site = lattice.site(particle.site);
-  const Index reach = plan.stencils[p].reach;
-  for (std::size_t a = 0; a < 2; ++a)
-    if (site[a] < reach || site[a] >= lattice.count[a] - reach) return 1.0;
+  const std::size_t row = static_cast<std::size_t>(scene.system.rows.first_particle()) + k;
+  for (std::size_t a = 0; a < Dim; ++a)
+    if (scene.system.held[Dim * row + a]) return 2.0;
+  const pd::Particle& particle = scene.particles[k];
+  const pd::LatticePart<Dim>& part = *scene.bonds.parts()[static_cast<std::size_t>(particle.patch)];
+  const Site<Dim> site = part.lattice().site(particle.site);
+  const Index reach = part.stencil().reach;
+  for (std::size_t a = 0; a < Dim; ++a)
+    if (site[a] < reach || site[a] >= part.lattice().count[a] - reach) return 1.0;
   return 0.0;
 }
 
-void add_damage(const SceneOptions& options, const Discretisation& d, field::OutputBlock& block)
+template <int Dim>
+void add_damage(const SceneOptions& options, const ParticleScene<Dim>& scene, field::OutputBlock& block)
 {
-  couple::ParticleDamage damage = couple::particle_damage(d.system.rows, *d.bonds, d.carried);
+  couple::ParticleDamage damage = couple::particle_damage<Dim>(scene.system.rows, scene.bonds, scene.carried);
   for (std::size_t k = 0; options.post.precrack_as_damage && k < damage.damage.size(); ++k)
     damage.damage[k] += damage.precrack[k];
   block.fields.push_back({"damage [-]", field::Rank::scalar, false, false, std::move(damage.damage)});
   block.fields.push_back({"precrack [-]", field::Rank::scalar, false, false, std::move(damage.precrack)});
 }
 
-field::OutputBlock particle_block(const SceneOptions& options, const PatchPlan& plan, const Discretisation& d,
-                                  std::span<const double> local)
+/// @param density strain energy density per owned row [J/m^3]
+template <int Dim>
+field::OutputBlock particle_block(const SceneOptions& options, const ParticleScene<Dim>& scene,
+                                  std::span<const double> local, std::span<const double> density)
 {
   field::OutputBlock block;
   block.name = "particles";
-  std::vector<Index> first(plan.shapes.size() + 1, 0); // natural numbers: patch after patch
-  for (std::size_t p = 0; p < plan.shapes.size(); ++p)
-    first[p + 1] = first[p] + static_cast<Index>(plan.shapes[p].lattice.total());
+  const auto& parts = scene.bonds.parts();
+  std::vector<Index> first(parts.size() + 1, 0); // natural numbers: patch after patch
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    first[p + 1] = first[p] + static_cast<Index>(parts[p]->lattice().total());
   int rank = 0;
-  MPI_Comm_rank(d.system.rows.comm, &rank);
-  const auto begin = static_cast<std::size_t>(d.system.rows.first_particle());
-  const std::vector<double> density = d.energy_density(local);
+  MPI_Comm_rank(scene.system.rows.comm, &rank);
+  const auto begin = static_cast<std::size_t>(scene.system.rows.first_particle());
   field::OutputField energy{"strain_energy_density [J/m^3]", field::Rank::scalar, false, false, {}};
   field::OutputField kind{"kind", field::Rank::scalar, false, true, {}},
       owner{"rank", field::Rank::scalar, false, true, {}}, patch{"patch", field::Rank::scalar, false, true, {}};
-  for (std::size_t k = 0; k < d.particles.size(); ++k) {
-    const pd::Particle& particle = d.particles[k];
-    block.points.insert(block.points.end(), {particle.x[0], particle.x[1], 0.0});
-    block.natural_point.push_back(first[static_cast<std::size_t>(particle.patch)] + particle.site);
+  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
+    const pd::Particle& particle = scene.particles[k];
+    const auto p = static_cast<std::size_t>(particle.patch);
+    const auto& lattice = parts[p]->lattice();
+    const auto x = padded<Dim>(lattice.point(lattice.site(particle.site)).data());
+    block.points.insert(block.points.end(), x.begin(), x.end());
+    block.natural_point.push_back(first[p] + particle.site);
     energy.values.push_back(density[begin + k]);
-    kind.values.push_back(kind_of(d, plan, k));
+    kind.values.push_back(kind_of<Dim>(scene, k));
     owner.values.push_back(rank);
     patch.values.push_back(particle.patch);
   }
-  block.fields.push_back(displacement_field(local.subspan(2 * begin), d.particles.size()));
-  if (d.fracture || !d.cracks.empty()) add_damage(options, d, block);
+  block.fields.push_back(displacement_field<Dim>(local.subspan(Dim * begin), scene.particles.size()));
+  if (scene.damaged) add_damage<Dim>(options, scene, block);
   block.fields.push_back(std::move(energy));
   block.fields.push_back(std::move(kind));
   block.fields.push_back(std::move(owner));
@@ -120,8 +145,17 @@ field::OutputBlock particle_block(const SceneOptions& options, const PatchPlan& 
 }
 } // namespace
 
+std::vector<field::OutputBlock> solid_blocks(const SceneOptions& options, const Solid& solid, Vec u)
+{
+  std::vector<double> local;
+  solid.system.halo->gather(u, local);
+  const ParticleScene<3> scene{solid.system, *solid.bonds, nullptr, solid.particles,
+                               solid.breaker || !solid.cracks.empty()};
+  return {particle_block<3>(options, scene, local, solid.bonds->energy_density(local))};
+}
+
 std::vector<field::OutputBlock> output_blocks(const mesh::Mesh& mesh, const SceneOptions& options,
-                                              const PatchPlan& plan, const Discretisation& d, Vec u,
+                                              const Discretisation& d, Vec u,
                                               const std::vector<double>& relative_percent)
 {
   std::vector<double> local;
@@ -129,7 +163,10 @@ std::vector<field::OutputBlock> output_blocks(const mesh::Mesh& mesh, const Scen
   std::vector<field::OutputBlock> blocks;
   blocks.push_back(mesh_block(mesh, options, d.node_field->displacement(local), relative_percent));
   if (d.cut_elements) blocks.push_back(xfem::cut_block(mesh, *d.sets, d.node_rows, *d.system.halo, local));
-  if (d.bonds) blocks.push_back(particle_block(options, plan, d, local));
+  if (!d.bonds) return blocks;
+  const ParticleScene<2> scene{d.system, *d.bonds, d.carried, d.particles,
+                               d.fracture || d.breaker || !d.cracks.empty()};
+  blocks.push_back(particle_block<2>(options, scene, local, d.energy_density(local)));
   return blocks;
 }
 } // namespace pdx::app

@@ -5,47 +5,25 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace pdx::app {
 namespace {
 constexpr double kFits = 1e-6;       // how far a side may be from a whole number of spacings, in spacings
 constexpr double kCoarseCells = 4.0; // background cells of peridynamics-only scenes, in spacings
 
-/// The spacing nearest to dx that divides both sides, 0 if there is none within a factor of two.
-double nearest_fit(const Vector<2>& sides, double dx)
+/// The spacing nearest to dx that divides all sides, 0 if there is none within a factor of two.
+template <int Dim> double nearest_fit(const Vector<Dim>& sides, double dx)
 {
   const double wanted = std::round(sides[0] / dx);
   for (int k = 0; k <= static_cast<int>(std::min(wanted, 1e6)); ++k)
     for (const double n : {wanted + k, wanted - k}) {
       if (n < 1.0) continue;
-      const double fit = sides[0] / n, other = sides[1] / fit;
-      if (std::round(other) >= 1.0 && std::abs(other - std::round(other)) < kFits) return fit;
+      const double fit = sides[0] / n;
+      const Eigen::Array<double, Dim, 1> counts = sides.array() / fit;
+      if ((counts.round() >= 1.0).all() && ((counts - counts.round()).abs() < kFits).all()) return fit;
     }
   return 0.0;
-}
-
-geom::Lattice<2> lattice_in(const geom::Box<2>& box, double dx)
-{
-  const Vector<2> counts = box.size() / dx;
-  geom::Lattice<2> lattice;
-  lattice.origin = box.lower;
-  for (std::size_t d = 0; d < 2; ++d) {
-    const double n = counts[static_cast<Eigen::Index>(d)];
-    if (std::abs(n - std::round(n)) > kFits || std::round(n) < 1.0) {
-      const double fit = nearest_fit(box.size(), dx);
-      throw UserError(
-          fmt::format("-pd_spacing is {}: the sides {} and {} m of the patch must be whole numbers of it; {}", dx,
-                      box.size()[0], box.size()[1],
-                      fit > 0.0 ? fmt::format("the nearest that fits is {:.10g}", fit)
-                                : std::string("no spacing fits both: change the patch")));
-    }
-    lattice.count[d] = static_cast<Index>(std::round(n));
-  }
-  lattice.dx = box.size()[0] / lattice.count[0];
-  if (lattice.total() > std::numeric_limits<Index>::max() / 2)
-    throw UserError(fmt::format("-pd_spacing is {}: makes {} particles in one patch, more than the {} it can number",
-                                dx, lattice.total(), std::numeric_limits<Index>::max() / 2));
-  return lattice;
 }
 
 /// The body grown by the layers of a horizon that boundary conditions ask for.
@@ -70,18 +48,53 @@ geom::Box<2> with_layers(const SceneOptions& options, geom::Box<2> box, double d
 }
 } // namespace
 
+template <int Dim> geom::Lattice<Dim> lattice_in(const geom::Box<Dim>& box, double dx)
+{
+  const Vector<Dim> sides = box.size(), counts = sides / dx;
+  geom::Lattice<Dim> lattice;
+  lattice.origin = box.lower;
+  for (std::size_t d = 0; d < Dim; ++d) {
+    const double n = counts[static_cast<Eigen::Index>(d)];
+    if (std::abs(n - std::round(n)) > kFits || std::round(n) < 1.0) {
+      const double fit = nearest_fit<Dim>(sides, dx);
+      throw UserError(fmt::format(
+          "-pd_spacing is {}: the sides {} m of the {} must be whole numbers of it; {}", dx,
+          fmt::join(sides.data(), sides.data() + Dim, Dim == 2 ? " and " : ", "), Dim == 2 ? "patch" : "solid",
+          fit > 0.0 ? fmt::format("the nearest that fits is {:.10g}", fit)
+                    : fmt::format("no spacing fits {}: change the {}", Dim == 2 ? "both" : "all",
+                                  Dim == 2 ? "patch" : "body or -material_thickness")));
+    }
+    lattice.count[d] = static_cast<Index>(std::round(n));
+  }
+  lattice.dx = sides[0] / lattice.count[0];
+  if (lattice.total() > std::numeric_limits<Index>::max() / 2)
+    throw UserError(fmt::format("-pd_spacing is {}: makes {} particles in one patch, more than the {} it can number",
+                                dx, lattice.total(), std::numeric_limits<Index>::max() / 2));
+  return lattice;
+}
+template geom::Lattice<2> lattice_in<2>(const geom::Box<2>&, double);
+template geom::Lattice<3> lattice_in<3>(const geom::Box<3>&, double);
+
+std::array<Index, 2> background_cells(const geom::Lattice<2>& lattice)
+{
+  std::array<Index, 2> cells{};
+  for (std::size_t d = 0; d < 2; ++d)
+    cells[d] = std::max(1, static_cast<Index>(std::round(lattice.count[d] / kCoarseCells)));
+  return cells;
+}
+
 PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh)
 {
   PatchPlan plan;
   plan.body = mesh.box;
   std::vector<geom::Box<2>> boxes = options.pd.patches;
   if (options.pd.everywhere) {
-    (void)lattice_in(mesh.box, options.pd.spacing[0]); // the body itself must fit
+    (void)lattice_in<2>(mesh.box, options.pd.spacing[0]); // the body itself must fit
     mesh.box = with_layers(options, mesh.box, options.pd.spacing[0]);
     boxes = {mesh.box};
   }
   for (std::size_t p = 0; p < boxes.size(); ++p) {
-    plan.shapes.push_back({boxes[p], lattice_in(boxes[p], options.pd.spacing_of(p))});
+    plan.shapes.push_back({boxes[p], lattice_in<2>(boxes[p], options.pd.spacing_of(p))});
     const double dx = plan.shapes.back().lattice.dx;
     try {
       plan.stencils.push_back(pd::make_stencil<2>({dx, options.elastic.thickness, options.pd.horizon_ratio * dx,
@@ -91,9 +104,7 @@ PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh)
       throw UserError(fmt::format("-pd_horizon_ratio is {}: {}", options.pd.horizon_ratio, wrong.what()));
     }
   }
-  if (options.pd.everywhere && mesh.cells[0] == 0)
-    for (std::size_t d = 0; d < 2; ++d)
-      mesh.cells[d] = std::max(1, static_cast<Index>(std::round(plan.shapes[0].lattice.count[d] / kCoarseCells)));
+  if (options.pd.everywhere && mesh.cells[0] == 0) mesh.cells = background_cells(plan.shapes[0].lattice);
   return plan;
 }
 

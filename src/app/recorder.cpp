@@ -52,7 +52,7 @@ void Recorder::take_stock(const solve::Step& step, Vec u, const solve::StaticDri
 {
   std::vector<double> local, force = driver.unbalanced_force(u, step.load); // reactions where held
   d_->system.halo->gather(u, local);
-  post::Energies mine = files_.energies(local);
+  post::Energies mine = d_->energies(local);
   int rank = 0;
   MPI_Comm_rank(files_.comm(), &rank);
   if (files_.grows() && rank == 0) mine.dissipated = d_->fracture->dissipated();

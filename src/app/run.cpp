@@ -118,6 +118,33 @@ void run_static(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::v
 }
 } // namespace
 
+namespace {
+void run_plane(RunFiles& files)
+{
+  const SceneOptions& options = files.options;
+  mesh::MeshOptions mesh_options = options.mesh;
+  const PatchPlan plan = plan_patches(options, mesh_options);
+  mesh::Mesh mesh = mesh::build(files.comm(), mesh_options, cell_cost(plan));
+  Prior prior;
+  if (options.post.reference_fe) {
+    cover_cells(mesh, plan, mesh_options); // refuses a wrong patch before the reference is paid for
+    mesh.uncover();
+    prior.reference = reference_displacement(mesh, options);
+  }
+  std::unique_ptr<pd::Particles> swarm;
+  std::vector<pd::Particle> particles;
+  if (options.pd.any()) {
+    cover_cells(mesh, plan, mesh_options);
+    swarm = std::make_unique<pd::Particles>(files.comm());
+    particles = make_particles(mesh, plan, *swarm);
+  }
+  if (options.time.dynamic())
+    run_in_time(files, mesh, plan, std::move(particles));
+  else
+    run_static(files, mesh, plan, std::move(particles), std::move(prior));
+}
+} // namespace
+
 void run(MPI_Comm comm, double begin)
 {
   const SceneOptions options = SceneOptions::read();
@@ -125,26 +152,10 @@ void run(MPI_Comm comm, double begin)
   if (!options.time.dynamic()) (void)wants_assembled(options); // refuses before anything is built
   RunFiles files(comm, options, begin);
   try {
-    mesh::MeshOptions mesh_options = options.mesh;
-    const PatchPlan plan = plan_patches(options, mesh_options);
-    mesh::Mesh mesh = mesh::build(comm, mesh_options, cell_cost(plan));
-    Prior prior;
-    if (options.post.reference_fe) {
-      cover_cells(mesh, plan, mesh_options); // refuses a wrong patch before the reference is paid for
-      mesh.uncover();
-      prior.reference = reference_displacement(mesh, options);
-    }
-    std::unique_ptr<pd::Particles> swarm;
-    std::vector<pd::Particle> particles;
-    if (options.pd.any()) {
-      cover_cells(mesh, plan, mesh_options);
-      swarm = std::make_unique<pd::Particles>(comm);
-      particles = make_particles(mesh, plan, *swarm);
-    }
-    if (options.time.dynamic())
-      run_in_time(files, mesh, plan, std::move(particles));
+    if (options.solid)
+      run_solid(files);
     else
-      run_static(files, mesh, plan, std::move(particles), std::move(prior));
+      run_plane(files);
     if (const std::string unused = unused_options(); !unused.empty())
       files.warn("options of PETSc that nothing used: " + unused);
   } catch (const SolverFailure& failure) {

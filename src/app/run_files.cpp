@@ -14,21 +14,22 @@ RunFiles::RunFiles(MPI_Comm comm, const SceneOptions& given, double begin)
   io::create_directory(comm, options.output.directory);
 }
 
+Standing::Standing(mesh::Mesh* background, const Solid* space) : mesh(background), solid(space), model(space) {}
+
 void RunFiles::built(const Standing& standing)
 {
   scene = standing;
-  const Discretisation& d = *scene.d;
-  std::int64_t counts[3] = {2 * static_cast<std::int64_t>(d.nodes.size()),
-                            2 * static_cast<std::int64_t>(d.system.rows.enriched),
-                            2 * static_cast<std::int64_t>(d.particles.size())};
+  const field::Rows& rows = scene.model->system.rows;
+  std::int64_t counts[3] = {rows.nodes, rows.enriched, rows.particles};
+  for (std::int64_t& count : counts) count *= rows.dim;
   MPI_Allreduce(MPI_IN_PLACE, counts, 3, MPI_INT64_T, MPI_SUM, comm_);
   summary.unknowns.fe = counts[0];
   summary.unknowns.enriched = counts[1];
   summary.unknowns.pd = counts[2];
-  summary.unknowns.ghost = d.ghosts;
+  summary.unknowns.ghost = scene.model->ghosts;
   summary.partition.cut = scene.mesh->quality().cut;
   summary.partition.imbalance = scene.mesh->quality().imbalance;
-  summary.partition.particles_per_rank = gather_all(comm_, std::vector<int>{static_cast<int>(d.particles.size())});
+  summary.partition.particles_per_rank = gather_all(comm_, std::vector<int>{rows.particles});
   progress.line(fmt::format("{}: {} unknowns ({} of elements, {} of particles), partition cut {} imbalance {:.2f}",
                             options.case_name, counts[0] + counts[1] + counts[2], counts[0] + counts[1], counts[2],
                             scene.mesh->quality().cut, scene.mesh->quality().imbalance));
@@ -41,7 +42,7 @@ void RunFiles::built(const Standing& standing)
 
 void RunFiles::report_cracks()
 {
-  if (!scene.d->sets) return;
+  if (!scene.d || !scene.d->sets) return;
   const xfem::CutReport& report = scene.d->sets->report();
   auto& results = summary.results;
   results["cut_elements"] = report.cells;
@@ -85,38 +86,30 @@ void RunFiles::add_tip_columns(std::vector<io::Column>& columns) const
 
 void RunFiles::add_reaction_columns(std::vector<io::Column>& columns) const
 {
-  for (const HeldPart& part : scene.d->held_parts) {
-    columns.push_back({"reaction_" + part.name + "_x", "N"});
-    columns.push_back({"reaction_" + part.name + "_y", "N"});
-  }
+  static constexpr const char* directions[] = {"x", "y", "z"};
+  for (const HeldPart& part : scene.model->held_parts)
+    for (int a = 0; a < scene.model->system.rows.dim; ++a)
+      columns.push_back({fmt::format("reaction_{}_{}", part.name, directions[a]), "N"});
 }
 
 std::vector<double> RunFiles::reactions(std::span<const double> force) const
 {
-  const Discretisation& d = *scene.d;
-  std::vector<double> sums(2 * d.held_parts.size(), 0.0);
-  for (std::size_t p = 0; p < d.held_parts.size(); ++p)
-    for (const Index k : d.held_parts[p].components)
-      if (k / 2 < d.system.rows.nodes || k / 2 >= d.system.rows.first_particle()) // forces of sets are none
-        sums[2 * p + static_cast<std::size_t>(k % 2)] += force[static_cast<std::size_t>(k)];
+  const Model& model = *scene.model;
+  const field::Rows& rows = model.system.rows;
+  const auto dim = static_cast<std::size_t>(rows.dim);
+  std::vector<double> sums(dim * model.held_parts.size(), 0.0);
+  for (std::size_t p = 0; p < model.held_parts.size(); ++p)
+    for (const Index k : model.held_parts[p].components)
+      if (k / rows.dim < rows.nodes || k / rows.dim >= rows.first_particle()) // forces of sets are none
+        sums[dim * p + static_cast<std::size_t>(k % rows.dim)] += force[static_cast<std::size_t>(k)];
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, comm_);
   return sums;
 }
 
-post::Energies RunFiles::energies(std::span<const double> local) const
-{
-  const Discretisation& d = *scene.d;
-  post::Energies mine;
-  if (d.elements) mine.elements += d.elements->energy(local);
-  if (d.cut_elements) mine.elements += d.cut_elements->energy(local);
-  if (d.bonds) mine.bonds = d.bonds->energy(local);
-  if (d.carried) mine.interface = d.carried->energy(local);
-  return mine;
-}
-
 void RunFiles::write_fields(double time, Vec u, const std::vector<double>& relative_percent)
 {
-  fields->write(time, output_blocks(*scene.mesh, options, *scene.plan, *scene.d, u, relative_percent));
+  if (scene.solid) return fields->write(time, solid_blocks(options, *scene.solid, u));
+  fields->write(time, output_blocks(*scene.mesh, options, *scene.d, u, relative_percent));
 }
 
 void RunFiles::fail(const std::string& why)

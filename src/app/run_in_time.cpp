@@ -1,6 +1,7 @@
 #include "pdx/app/run_in_time.hpp"
 
 #include "pdx/app/checkpoints.hpp"
+#include "pdx/app/solid.hpp"
 #include "pdx/solve/explicit_driver.hpp"
 #include "pdx/solve/implicit_driver.hpp"
 #include "pdx/solve/stable_step.hpp"
@@ -10,56 +11,88 @@
 
 namespace pdx::app {
 namespace {
-StepLimits limits_of(const PatchPlan& plan, const field::System& system)
+template <int Dim> StepLimits limits_of(std::span<const pd::Stencil<Dim>> stencils, const field::System& system)
 {
   StepLimits limits{solve::stable_step(system).limit, 0.0};
-  for (const auto& stencil : plan.stencils) {
+  for (const auto& stencil : stencils) {
     const double papers = pd::papers_step(stencil);
     limits.papers = limits.papers > 0.0 ? std::min(limits.papers, papers) : papers;
   }
   return limits;
 }
 
-/// A signal ended the run: no failure, and worth a line in any log.
-void stop(RunFiles& files, TimeRecorder& recorder, const solve::TimeDriver& driver, const std::string& why)
-{
-  recorder.interrupted(driver, why);
-  int rank = 0;
-  MPI_Comm_rank(files.comm(), &rank);
-  if (rank == 0) fmt::print("{}\n", why);
-}
+/// What steps a scene through time and records it, with checkpoints where steps are explicit.
+class TimeRun {
+public:
+  explicit TimeRun(RunFiles& files)
+      : files_(files), implicit_(files.options.time.analysis == Analysis::implicit_dynamics), recorder_(files)
+  {
+    if (!implicit_) checkpoints_.emplace(files);
+  }
+
+  bool implicit() const { return implicit_; }
+  void built(const Standing& scene) { recorder_.built(scene); }
+
+  void run(field::System& system, const StepLimits& limits)
+  {
+    const TimeOptions& time = files_.options.time;
+    std::unique_ptr<solve::TimeDriver> driver;
+    if (implicit_)
+      driver = std::make_unique<solve::ImplicitDriver>(system);
+    else
+      driver = std::make_unique<solve::ExplicitDriver>(
+          system, solve::ExplicitOptions{limits.rigorous, time.safety, time.allow_unstable});
+    if (checkpoints_) checkpoints_->begin(files_.scene, *driver, recorder_);
+    recorder_.started(*driver, limits);
+    try {
+      driver->run([&] {
+        recorder_.after_step(*driver);
+        return checkpoints_ ? checkpoints_->after_step(*driver, recorder_) : solve::TimeDriver::Verdict::go_on;
+      });
+    } catch (const SolverFailure&) {
+      recorder_.stopped_at(*driver);
+      if (checkpoints_) checkpoints_->failed(*driver);
+      throw;
+    }
+    if (checkpoints_ && !checkpoints_->stopped().empty()) return stop(*driver);
+    recorder_.finish(*driver);
+    if (checkpoints_) checkpoints_->finish(*driver, recorder_);
+  }
+
+private:
+  /// A signal ended the run: no failure, and worth a line in any log.
+  void stop(const solve::TimeDriver& driver)
+  {
+    recorder_.interrupted(driver, checkpoints_->stopped());
+    int rank = 0;
+    MPI_Comm_rank(files_.comm(), &rank);
+    if (rank == 0) fmt::print("{}\n", checkpoints_->stopped());
+  }
+
+  RunFiles& files_;
+  bool implicit_;
+  TimeRecorder recorder_;
+  std::optional<Checkpoints> checkpoints_;
+};
 } // namespace
 
 void run_in_time(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::vector<pd::Particle> particles)
 {
-  const SceneOptions& options = files.options;
-  const bool implicit = options.time.analysis == Analysis::implicit_dynamics;
-  std::optional<Checkpoints> checkpoints;
-  if (!implicit) checkpoints.emplace(files);
-  TimeRecorder recorder(files);
-  const auto d = discretise(mesh, options, plan, std::move(particles), implicit);
-  recorder.built({&mesh, &plan, d.get()});
-  const StepLimits limits = limits_of(plan, d->system);
-  std::unique_ptr<solve::TimeDriver> driver;
-  if (implicit)
-    driver = std::make_unique<solve::ImplicitDriver>(d->system);
-  else
-    driver = std::make_unique<solve::ExplicitDriver>(
-        d->system, solve::ExplicitOptions{limits.rigorous, options.time.safety, options.time.allow_unstable});
-  if (checkpoints) checkpoints->begin(files.scene, *driver, recorder);
-  recorder.started(*driver, limits);
-  try {
-    driver->run([&] {
-      recorder.after_step(*driver);
-      return checkpoints ? checkpoints->after_step(*driver, recorder) : solve::TimeDriver::Verdict::go_on;
-    });
-  } catch (const SolverFailure&) {
-    recorder.stopped_at(*driver);
-    if (checkpoints) checkpoints->failed(*driver);
-    throw;
-  }
-  if (checkpoints && !checkpoints->stopped().empty()) return stop(files, recorder, *driver, checkpoints->stopped());
-  recorder.finish(*driver);
-  if (checkpoints) checkpoints->finish(*driver, recorder);
+  TimeRun run(files);
+  const auto d = discretise(mesh, files.options, plan, std::move(particles), run.implicit());
+  run.built({&mesh, &plan, d.get()});
+  run.run(d->system, limits_of<2>(plan.stencils, d->system));
+}
+
+void run_solid(RunFiles& files)
+{
+  TimeRun run(files);
+  mesh::MeshOptions mesh_options = files.options.mesh;
+  const SolidPlan plan = plan_solid(files.options, mesh_options);
+  mesh::Mesh mesh = mesh::build(files.comm(), mesh_options, cell_cost(plan));
+  pd::Particles swarm(files.comm());
+  const auto solid = discretise(files.comm(), files.options, plan, make_particles(mesh, plan, swarm));
+  run.built({&mesh, solid.get()});
+  run.run(solid->system, limits_of<3>({&plan.stencil, 1}, solid->system));
 }
 } // namespace pdx::app

@@ -19,17 +19,23 @@ geom::Box<2> box_of(const std::string& name, const std::vector<double>& v, std::
   return box;
 }
 
-law::Elastic read_material(bool describe)
+law::Elastic read_material(bool describe, bool& solid)
 {
   Options o("material");
   law::Elastic elastic;
-  static constexpr const char* planes[] = {"stress", "strain"};
-  elastic.plane = static_cast<law::Plane>(o.choice("-material_plane", 0, planes, "plane problem"));
+  static constexpr const char* planes[] = {"stress", "strain", "solid"};
+  const int plane = o.choice("-material_plane", 0, planes, "plane problem, or solid: in space, as deep as thick");
+  solid = plane == 2;
+  elastic.plane = plane == 0 ? law::Plane::stress : law::Plane::strain; // of the moduli in space
   elastic.young = o.real("-material_young", kNone, "Pa", "Young's modulus", Range::positive());
-  elastic.poisson = o.real("-material_poisson", law::required_poisson(2, elastic.plane), "-",
-                           "Poisson's ratio; with particles 1/3 (plane stress) or 1/4 (plane strain), taken exactly",
-                           {-0.999, 0.4999});
-  elastic.thickness = o.real("-material_thickness", 1.0, "m", "out-of-plane thickness", Range::positive());
+  elastic.poisson =
+      o.real("-material_poisson", law::required_poisson(2, elastic.plane), "-",
+             "Poisson's ratio; with particles 1/3 (plane stress) or 1/4 (plane strain, solid), taken exactly",
+             {-0.999, 0.4999});
+  elastic.thickness =
+      o.real("-material_thickness", 1.0, "m", "out-of-plane thickness; of a solid its depth", Range::positive());
+  if (!describe && solid && !o.given("-material_thickness"))
+    throw UserError("-material_thickness is missing: give the depth of the solid in m");
   elastic.density = o.real("-material_density", 0.0, "kg/m^3", "mass density; needed in time", Range::positive());
   if (!describe && std::isnan(elastic.young))
     throw UserError("-material_young is missing: give Young's modulus in Pa, e.g. -material_young 1e9");
@@ -51,7 +57,7 @@ void read_patches(Options& o, PdOptions& pd)
   for (std::size_t k = 0; k < v.size(); k += 4) pd.patches.push_back(box_of("-pd_patches", v, k));
 }
 
-PdOptions read_pd(const law::Elastic& elastic, bool describe)
+PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
 {
   Options o("pd");
   PdOptions pd;
@@ -80,7 +86,11 @@ PdOptions read_pd(const law::Elastic& elastic, bool describe)
     throw UserError(fmt::format("-pd_spacing has {} values for {} patches: give one, or one per patch",
                                 pd.spacing.size(), pd.patches.size()));
   try {
-    (void)law::BondLaw<2>(pd.micromodulus, elastic, pd.horizon_ratio * pd.spacing[0]);
+    const double horizon = pd.horizon_ratio * pd.spacing[0];
+    if (solid)
+      (void)law::BondLaw<3>(pd.micromodulus, elastic, horizon);
+    else
+      (void)law::BondLaw<2>(pd.micromodulus, elastic, horizon);
   } catch (const UserError& wrong) {
     throw UserError(fmt::format("-material_poisson is {}: {}", elastic.poisson, wrong.what()));
   }
@@ -95,14 +105,15 @@ PdOptions read_pd(const law::Elastic& elastic, bool describe)
   return pd;
 }
 
-std::array<std::optional<double>, 2> read_components(Options& o, const std::string& name, const char* help)
+std::array<std::optional<double>, 3> read_components(Options& o, const std::string& name, bool solid, const char* help)
 {
   const std::vector<std::string> parts = o.texts(name, {}, help);
-  std::array<std::optional<double>, 2> held;
+  std::array<std::optional<double>, 3> held;
   if (parts.empty()) return held;
-  if (parts.size() != 2)
-    throw UserError(fmt::format("{} has {} values: must have 2, a number or the word free each", name, parts.size()));
-  for (std::size_t a = 0; a < 2; ++a) {
+  if (parts.size() != 2 && !(solid && parts.size() == 3))
+    throw UserError(fmt::format("{} has {} values: must have 2{}, a number or the word free each", name, parts.size(),
+                                solid ? " or 3" : ""));
+  for (std::size_t a = 0; a < parts.size(); ++a) {
     if (parts[a] == "free") continue;
     std::size_t end = 0;
     double value = kNone;
@@ -126,6 +137,16 @@ std::optional<Vector<2>> read_vector(Options& o, const std::string& name, const 
   return Vector<2>(v[0], v[1]);
 }
 
+/// Two components, or in a solid three; the third is 0 where it is not given.
+std::optional<Vector<3>> read_vector(Options& o, const std::string& name, bool solid, const char* unit,
+                                     const char* help)
+{
+  const bool three = solid && o.texts(name, {}, help).size() == 3;
+  const std::vector<double> v = o.reals(name, {}, three ? 3 : o.given(name) ? 2 : 0, unit, help);
+  if (v.empty()) return std::nullopt;
+  return Vector<3>(v[0], v[1], three ? v[2] : 0.0);
+}
+
 void judge(const BoundaryCondition& c)
 {
   const std::string stem = "-bc_" + c.name;
@@ -134,7 +155,7 @@ void judge(const BoundaryCondition& c)
         fmt::format("{0}: nothing is prescribed: give {0}_displacement, {0}_traction, {0}_body or {0}_force "
                     "(in time also {0}_velocity or {0}_initial_velocity)",
                     stem));
-  for (std::size_t a = 0; a < 2; ++a)
+  for (std::size_t a = 0; a < 3; ++a)
     if (c.displacement[a] && c.velocity[a])
       throw UserError(fmt::format("{0}_velocity holds what {0}_displacement holds already: write free for one", stem));
   if ((c.holds() || c.traction) && c.on.empty() && !c.box)
@@ -152,13 +173,14 @@ void judge(const BoundaryCondition& c)
         fmt::format("{0}_layer holds particles outside a boundary: give {0}_on and {0}_displacement", stem));
 }
 
-BoundaryCondition read_condition(const std::string& name, bool describe)
+BoundaryCondition read_condition(const std::string& name, bool solid, bool describe)
 {
   Options o("bc");
   const std::string stem = "-bc_" + name;
   BoundaryCondition c;
   c.name = name;
-  c.on = o.text(stem + "_on", "", "boundary of the mesh: left, right, bottom, top, or a physical group");
+  c.on = o.text(stem + "_on", "",
+                "boundary of the mesh: left, right, bottom, top (solid: back, front), or a physical group");
   const auto box = o.reals(stem + "_box", {}, o.given(stem + "_box") ? 4 : 0, "m", "only what lies in x0,y0,x1,y1");
   if (!box.empty()) {
     c.box = geom::Box<2>{{box[0], box[1]}, {box[2], box[3]}};
@@ -166,13 +188,14 @@ BoundaryCondition read_condition(const std::string& name, bool describe)
       throw UserError(fmt::format("{}_box is {},{},{},{}: must be x0,y0,x1,y1 with x0 <= x1 and y0 <= y1", stem, box[0],
                                   box[1], box[2], box[3]));
   }
-  c.displacement =
-      read_components(o, stem + "_displacement", "held displacement ux,uy [m]; the word free leaves a component");
-  c.velocity = read_components(o, stem + "_velocity", "held velocity vx,vy [m/s], in time; the word free as above");
+  c.displacement = read_components(o, stem + "_displacement", solid,
+                                   "held displacement ux,uy (solid: ,uz) [m]; free leaves a component");
+  c.velocity =
+      read_components(o, stem + "_velocity", solid, "held velocity vx,vy [m/s], in time; the word free as above");
   c.initial_velocity =
-      read_vector(o, stem + "_initial_velocity", "m/s", "velocity vx,vy at the start, free afterwards");
-  c.traction = read_vector(o, stem + "_traction", "Pa", "constant traction tx,ty on the boundary");
-  c.body = read_vector(o, stem + "_body", "N/m^3", "body force bx,by");
+      read_vector(o, stem + "_initial_velocity", solid, "m/s", "velocity vx,vy at the start, free afterwards");
+  c.traction = read_vector(o, stem + "_traction", solid, "Pa", "constant traction tx,ty on the boundary");
+  c.body = read_vector(o, stem + "_body", solid, "N/m^3", "body force bx,by");
   c.force = read_vector(o, stem + "_force", "N",
                         "point force fx,fy on the nearest node or particle, shared by equally near ones");
   const auto at = read_vector(o, stem + "_at", "m", "place x,y of the point force");
@@ -187,7 +210,7 @@ BoundaryCondition read_condition(const std::string& name, bool describe)
   return c;
 }
 
-std::vector<BoundaryCondition> read_conditions(bool describe)
+std::vector<BoundaryCondition> read_conditions(bool solid, bool describe)
 {
   Options o("bc");
   std::vector<std::string> names = o.texts("-bc_names", {}, "names of the boundary conditions that follow");
@@ -196,7 +219,7 @@ std::vector<BoundaryCondition> read_conditions(bool describe)
   for (const std::string& name : names) {
     if (std::count(names.begin(), names.end(), name) > 1)
       throw UserError(fmt::format("-bc_names lists {} twice: names must differ", name));
-    conditions.push_back(read_condition(name, describe));
+    conditions.push_back(read_condition(name, solid, describe));
   }
   return conditions;
 }
@@ -244,8 +267,24 @@ void judge_time(const SceneOptions& s)
                                               : "initial_velocity"));
 }
 
+/// Solids are particles that move; nothing else knows the third direction.
+void judge_solid(const SceneOptions& s)
+{
+  const std::string solid = "-material_plane solid ";
+  if (!s.pd.everywhere) throw UserError(solid + "is of particles only: give -pd_patches all");
+  if (s.time.analysis != Analysis::explicit_dynamics) throw UserError(solid + "needs -analysis explicit");
+  if (s.pd.solver != PdOperator::automatic) throw UserError(solid + "has no tangent: drop -pd_operator");
+  if (s.post.any_j()) throw UserError(solid + "cannot stand beside -post_j_...: J is of the plane");
+  for (const BoundaryCondition& c : s.conditions) {
+    if (c.layer) throw UserError(fmt::format("{}has no -bc_{}_layer: hold rows of particles by _rows", solid, c.name));
+    if (c.force)
+      throw UserError(fmt::format("{}has no -bc_{}_force: give _body in a box, or _traction", solid, c.name));
+  }
+}
+
 void judge(const SceneOptions& s)
 {
+  if (s.solid) judge_solid(s);
   const bool layered = std::any_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.layer; });
   if (layered && !s.pd.everywhere)
     throw UserError("-bc_..._layer holds particles outside the body: it needs -pd_patches all");
@@ -284,14 +323,15 @@ SceneOptions SceneOptions::read(bool describe)
   } catch (const UserError&) {
     if (!describe) throw;
   }
-  s.elastic = read_material(describe);
-  s.pd = read_pd(s.elastic, describe);
-  if (!describe && s.pd.any()) s.elastic.poisson = law::required_poisson(2, s.elastic.plane); // one value for all
+  s.elastic = read_material(describe, s.solid);
+  s.pd = read_pd(s.elastic, s.solid, describe);
+  if (!describe && s.pd.any())
+    s.elastic.poisson = law::required_poisson(s.solid ? 3 : 2, s.elastic.plane); // one value for all
   s.scheme = static_cast<couple::Scheme>(
       Options("couple").choice("-couple_scheme", 0, schemes, "how bonds that leave a patch act on elements"));
   s.cracks = CrackOptions::read();
   s.fracture = FractureOptions::read();
-  s.conditions = read_conditions(describe);
+  s.conditions = read_conditions(s.solid, describe);
   s.load = LoadOptions::read();
   s.time = TimeOptions::read();
   s.post = PostOptions::read();

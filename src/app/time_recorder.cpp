@@ -8,7 +8,7 @@ namespace pdx::app {
 void TimeRecorder::built(const Standing& scene)
 {
   files_.built(scene);
-  d_ = scene.d;
+  d_ = scene.model;
   cracks_ = CrackWatch::make(files_);
   if (!files_.options.output.history) return;
   std::vector<io::Column> columns{{"step", "-"},
@@ -44,14 +44,15 @@ MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
   MotionEnergies e;
   const solve::KineticEnergy kinetic = driver.kinetic_energy();
   e.scheme = kinetic.scheme;
-  e.stored = files_.energies(driver.local());
+  e.stored = d_->energies(driver.local());
   e.initial = driver.clock().initial;
   const pd::Broken broken = d_->breaker ? d_->breaker->mine() : pd::Broken{};
+  const auto dim = static_cast<std::size_t>(d_->system.rows.dim);
   double particles = 0.0;
   for (Index row = d_->system.rows.first_particle(); row < d_->system.rows.owned(); ++row)
-    for (std::size_t a = 0; a < 2; ++a)
+    for (std::size_t a = 0; a < dim; ++a)
       particles += 0.5 * driver.moving().mass[static_cast<std::size_t>(row)] *
-                   std::pow(driver.v()[2 * static_cast<std::size_t>(row) + a], 2);
+                   std::pow(driver.v()[dim * static_cast<std::size_t>(row) + a], 2);
   double sums[] = {e.stored.elements, e.stored.bonds,         e.stored.interface,
                    broken.energy,     driver.moving().work(), particles};
   MPI_Allreduce(MPI_IN_PLACE, sums, 6, MPI_DOUBLE, MPI_SUM, files_.comm());
@@ -179,7 +180,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver)
   }
   if (largest_energy_ > 0.0) {
     results["energy_drift_ratio"] = largest_residual_ / largest_energy_;
-    if (d_->bonds)
+    if (files_.summary.unknowns.pd > 0)
       results["pd_energy_ratio_final"] = (e.kinetic_particles + e.stored.bonds + e.stored.interface) / largest_energy_;
   }
 }
@@ -237,7 +238,7 @@ void TimeRecorder::stopped_at(const solve::TimeDriver& driver)
 void TimeRecorder::print_phases(const solve::TimeDriver& driver)
 {
   const auto& seconds = files_.summary.wall_seconds;
-  const double rows = 0.5 * static_cast<double>(files_.summary.unknowns.total());
+  const double rows = static_cast<double>(d_->system.rows.total);
   const std::vector<io::Phase> phases{
       {"set-up", seconds.setup, ""},
       {"steps", seconds.solve, fmt::format("{:.3g} row-steps/s", rows * (driver.step() - first_step_) / seconds.solve)},

@@ -93,7 +93,9 @@ void Fracture::restore()
   now_ = saved_;
 }
 
-ParticleDamage particle_damage(const field::Rows& rows, const pd::BondTerm<2>& bonds, const CarriedBonds<2>* carried)
+template <int Dim>
+ParticleDamage particle_damage(const field::Rows& rows, const pd::BondTerm<Dim>& bonds,
+                               const std::type_identity_t<CarriedBonds<Dim>>* carried)
 {
   std::vector<pd::BondedVolume> volumes(static_cast<std::size_t>(rows.owned()));
   bonds.add_bonded_volume(volumes);
@@ -105,4 +107,6 @@ ParticleDamage particle_damage(const field::Rows& rows, const pd::BondTerm<2>& b
   }
   return result;
 }
+template ParticleDamage particle_damage<2>(const field::Rows&, const pd::BondTerm<2>&, const CarriedBonds<2>*);
+template ParticleDamage particle_damage<3>(const field::Rows&, const pd::BondTerm<3>&, const CarriedBonds<3>*);
 } // namespace pdx::couple

@@ -3,38 +3,43 @@
 #include "pdx/base/events.hpp"
 
 namespace pdx::couple {
-StepBreaker::StepBreaker(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, const FractureOptions& options, Steps steps)
+template <int Dim>
+StepBreaker<Dim>::StepBreaker(pd::BondTerm<Dim>& bonds, CarriedBonds<Dim>* carried, const FractureOptions& options,
+                              Steps steps)
     : bonds_(bonds), carried_(carried), steps_(steps)
 {
   for (const double stretch : options.critical_stretch) rules_.push_back({options.kinematics, stretch, nullptr});
   bonds_.protect(options.no_fail);
   if (steps_ == Steps::in_strips) bonds_.step_explicitly(rules_);
   if (carried_) carried_->watch(rules_);
-  StepBreaker::save();
+  StepBreaker<Dim>::save();
 }
 
-void StepBreaker::apply(std::span<const double> u, field::ForceLosses& losses)
+template <int Dim> void StepBreaker<Dim>::apply(std::span<const double> u, field::ForceLosses& losses)
 {
   static Event event("pd_break");
   if (steps_ == Steps::as_terms) {
     const Timed timed(event);
-    now_ += bonds_.break_bonds(bonds_.load(u), rules_);
+    this->now_ += bonds_.break_bonds(bonds_.load(u), rules_);
   } else if (bonds_.overstretched_seen())
-    now_ += bonds_.break_overstretched(&losses);
-  if (carried_ && carried_->overstretched_seen()) now_ += carried_->break_bonds(u, rules_, &losses);
+    this->now_ += bonds_.break_overstretched(&losses);
+  if (carried_ && carried_->overstretched_seen()) this->now_ += carried_->break_bonds(u, rules_, &losses);
 }
 
-void StepBreaker::save()
+template <int Dim> void StepBreaker<Dim>::save()
 {
   bonds_.save();
   if (carried_) carried_->save();
-  saved_ = now_;
+  this->saved_ = this->now_;
 }
 
-void StepBreaker::restore()
+template <int Dim> void StepBreaker<Dim>::restore()
 {
   bonds_.restore();
   if (carried_) carried_->restore();
-  now_ = saved_;
+  this->now_ = this->saved_;
 }
+
+template class StepBreaker<2>;
+template class StepBreaker<3>;
 } // namespace pdx::couple

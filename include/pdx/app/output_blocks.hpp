@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/app/discretisation.hpp"
+#include "pdx/app/solid.hpp"
 #include "pdx/field/output_field.hpp"
 
 namespace pdx::app {
@@ -7,6 +8,9 @@ namespace pdx::app {
 /// displacement, strain-energy density, kind (0 inner, 1 with bonds to elements or missing ones, 2 held), rank, patch.
 /// Collective. @param relative_percent Eq. 28 per owned vertex, empty without reference
 std::vector<field::OutputBlock> output_blocks(const mesh::Mesh& mesh, const SceneOptions& options,
-                                              const PatchPlan& plan, const Discretisation& d, Vec u,
+                                              const Discretisation& d, Vec u,
                                               const std::vector<double>& relative_percent);
+
+/// The particles of a solid, with the same fields. Collective.
+std::vector<field::OutputBlock> solid_blocks(const SceneOptions& options, const Solid& solid, Vec u);
 } // namespace pdx::app

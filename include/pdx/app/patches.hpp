@@ -11,6 +11,12 @@ struct PatchPlan {
   geom::Box<2> body; ///< without layers [m]; of box meshes only
 };
 
+/// The lattice of particles in a box. Throws UserError for a spacing that does not fit, naming one that does.
+template <int Dim> geom::Lattice<Dim> lattice_in(const geom::Box<Dim>& box, double dx);
+
+/// Background cells of particles-only scenes, about 4 dx wide.
+std::array<Index, 2> background_cells(const geom::Lattice<2>& lattice);
+
 /// Lays out the patches before the mesh is built; completes the mesh options of peridynamics-only scenes (background
 /// cells of about 4 dx around body and layers). Throws UserError for a spacing that does not fit, naming one that does.
 PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh);

@@ -7,11 +7,21 @@
 #include "pdx/post/energy_ledger.hpp"
 
 namespace pdx::app {
-/// The scene a run is about, once it stands. All that is pointed to must outlive the run.
+struct Solid;
+
+/// The scene a run is about, once it stands: in the plane or in space. All that is pointed to must outlive the run.
 struct Standing {
+  Standing() = default;
+  Standing(mesh::Mesh* background, const PatchPlan* patches, const Discretisation* plane)
+      : mesh(background), plan(patches), d(plane), model(plane)
+  {}
+  Standing(mesh::Mesh* background, const Solid* space);
+
   mesh::Mesh* mesh = nullptr;
-  const PatchPlan* plan = nullptr;
-  const Discretisation* d = nullptr;
+  const PatchPlan* plan = nullptr;   ///< null in space
+  const Discretisation* d = nullptr; ///< null in space
+  const Solid* solid = nullptr;      ///< null in the plane
+  const Model* model = nullptr;      ///< what d or solid is
 };
 
 /// A run that goes on from a checkpoint. If its files lie here, they go on too.
@@ -33,13 +43,11 @@ public:
   void write_summary(const char* status);
   void fail(const std::string& why);
   void warn(const std::string& what) const; ///< a line on standard error, even when quiet
-  /// Columns of the reactions of held parts, two each; the same for energies of a crack.
+  /// Columns of the reactions of held parts, one for each direction; the same for energies of a crack.
   void add_reaction_columns(std::vector<io::Column>& columns) const;
   void add_tip_columns(std::vector<io::Column>& columns) const;
-  /// Sums per held part, x and y, of one value per owned component, sets left out [N].
+  /// Sums per held part and direction of one value per owned component, sets left out [N].
   std::vector<double> reactions(std::span<const double> force) const;
-  /// This rank's strain energies at local blocks u [J].
-  post::Energies energies(std::span<const double> local) const;
 
   bool grows() const { return scene.d->fracture != nullptr; }
   MPI_Comm comm() const { return comm_; }

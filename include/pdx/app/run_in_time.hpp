@@ -4,4 +4,6 @@
 namespace pdx::app {
 /// Steps a scene through time and writes what was asked for. Collective.
 void run_in_time(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::vector<pd::Particle> particles);
+/// The same of a solid, from its mesh on. Collective.
+void run_solid(RunFiles& files);
 } // namespace pdx::app

@@ -14,23 +14,23 @@ enum class Kinematics { small, finite, mixed };
 enum class SurfaceCorrection { automatic, none, volume };
 enum class PdOperator { automatic, matrix_free, assembled };
 
-/// What acts on a named part of the body: `-bc_NAME_...`.
+/// What acts on a named part of the body: `-bc_NAME_...`. The third component is that of solids.
 struct BoundaryCondition {
   std::string name;
   std::string on;                                    ///< boundary of the mesh, "" if chosen by a box alone
   std::optional<geom::Box<2>> box;                   ///< only what lies in it [m]
-  std::array<std::optional<double>, 2> displacement; ///< held components [m]
-  std::array<std::optional<double>, 2> velocity;     ///< the same, moved in time [m/s]
-  std::optional<Vector<2>> initial_velocity;         ///< free afterwards [m/s]
+  std::array<std::optional<double>, 3> displacement; ///< held components [m]
+  std::array<std::optional<double>, 3> velocity;     ///< the same, moved in time [m/s]
+  std::optional<Vector<3>> initial_velocity;         ///< free afterwards [m/s]
   std::optional<field::History> history;             ///< of all but the initial velocity; none: constant
-  std::optional<Vector<2>> traction;                 ///< [Pa]
-  std::optional<Vector<2>> body;                     ///< [N/m^3]
+  std::optional<Vector<3>> traction;                 ///< [Pa]
+  std::optional<Vector<3>> body;                     ///< [N/m^3]
   std::optional<Vector<2>> force;                    ///< at the node or particle nearest to `at` [N]
   Vector<2> at = Vector<2>::Zero();                  ///< [m]
   int rows = 1;                                      ///< particle rows under the boundary that take part
   bool layer = false;                                ///< held particles in a layer of one horizon outside the body
-  bool moves() const { return velocity[0] || velocity[1]; }
-  bool holds() const { return displacement[0] || displacement[1] || moves(); }
+  bool moves() const { return velocity[0] || velocity[1] || velocity[2]; }
+  bool holds() const { return displacement[0] || displacement[1] || displacement[2] || moves(); }
 };
 
 struct PdOptions {
@@ -60,6 +60,7 @@ struct SceneOptions {
   std::string case_name = "case";
   mesh::MeshOptions mesh;
   law::Elastic elastic;
+  bool solid = false; ///< in space: the body in the plane, extruded by the thickness
   Kinematics kinematics = Kinematics::small;
   PdOptions pd;
   couple::Scheme scheme = couple::Scheme::energy;

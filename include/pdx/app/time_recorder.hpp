@@ -50,7 +50,7 @@ private:
   std::vector<double> held_forces(const solve::TimeDriver& driver) const;
 
   RunFiles& files_;
-  const Discretisation* d_ = nullptr;
+  const Model* d_ = nullptr;
   std::unique_ptr<CrackWatch> cracks_; // null where no crack can grow from a given tip
   StepLimits limits_;
   pd::Broken broken_;             // of all ranks, at the last look

@@ -4,6 +4,7 @@
 #include "pdx/pd/bond_term.hpp"
 
 #include <optional>
+#include <type_traits>
 
 namespace pdx::couple {
 /// Which of the overstretched bonds a pass breaks. all: every one. worst: a share of them, those with the largest
@@ -52,5 +53,7 @@ struct ParticleDamage {
   std::vector<double> precrack; ///< of bonds that were cut from the start
 };
 /// Carried bonds included. @param carried may be null
-ParticleDamage particle_damage(const field::Rows& rows, const pd::BondTerm<2>& bonds, const CarriedBonds<2>* carried);
+template <int Dim>
+ParticleDamage particle_damage(const field::Rows& rows, const pd::BondTerm<Dim>& bonds,
+                               const std::type_identity_t<CarriedBonds<Dim>>* carried);
 } // namespace pdx::couple

@@ -3,29 +3,35 @@
 #include "pdx/field/after_step.hpp"
 
 namespace pdx::couple {
+/// What breaks bonds after each time step, in the plane or in space.
+class BondBreaker : public field::AfterStep {
+public:
+  const pd::Broken& mine() const { return now_; } ///< since the start, what this rank counts
+  void resume(const pd::Broken& mine) { now_ = saved_ = mine; }
+
+protected:
+  pd::Broken now_, saved_;
+};
+
 /// Breaks bonds after each time step, between particles and those that leave their patch, at the displacement of the
 /// last force: every overstretched bond at once. A pass of its own, entered only where that force saw one. Nothing
 /// travels: ranks judge shared bonds by the same arithmetic.
-class StepBreaker final : public field::AfterStep {
+template <int Dim> class StepBreaker final : public BondBreaker {
 public:
   /// in_strips: the lattice bonds step explicitly from now on, and are looked at where their force saw one
   /// overstretched. as_terms: they stay as they are, and all are looked at after each step (collective then).
   enum class Steps { in_strips, as_terms };
   /// As for Fracture; `options.release` is not asked.
-  StepBreaker(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, const FractureOptions& options, Steps steps);
+  StepBreaker(pd::BondTerm<Dim>& bonds, CarriedBonds<Dim>* carried, const FractureOptions& options, Steps steps);
 
   void apply(std::span<const double> u, field::ForceLosses& losses) override;
   void save() override;
   void restore() override;
 
-  const pd::Broken& mine() const { return now_; } ///< since the start, what this rank counts
-  void resume(const pd::Broken& mine) { now_ = saved_ = mine; }
-
 private:
-  pd::BondTerm<2>& bonds_;
-  CarriedBonds<2>* carried_;
+  pd::BondTerm<Dim>& bonds_;
+  CarriedBonds<Dim>* carried_;
   Steps steps_;
   std::vector<pd::BreakRule> rules_;
-  pd::Broken now_, saved_;
 };
 } // namespace pdx::couple

@@ -29,7 +29,7 @@ struct HangingPlate {
     app::BoundaryCondition pull;
     pull.name = "pull";
     pull.on = "right";
-    pull.traction = Vector<2>(3e-2, 1e-2);
+    pull.traction = Vector<3>(3e-2, 1e-2, 0.0);
     options.conditions.push_back(pull);
     return options;
   }

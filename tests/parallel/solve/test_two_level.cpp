@@ -12,7 +12,7 @@ app::BoundaryCondition pull(const char* side, const Vector<2>& traction)
   app::BoundaryCondition c;
   c.name = "pull";
   c.on = side;
-  c.traction = traction;
+  c.traction = Vector<3>(traction[0], traction[1], 0.0);
   return c;
 }
 
@@ -96,7 +96,7 @@ TEST(TwoLevel, FewIterationsForALayerAllAround)
   auto options = test::held_particles(80);
   app::BoundaryCondition weight;
   weight.name = "weight";
-  weight.body = Vector<2>(0.0, -1e-3);
+  weight.body = Vector<3>(0.0, -1e-3, 0.0);
   options.conditions.push_back(weight);
   expect_few_iterations_on_any_number_of_ranks(options);
 }
@@ -151,7 +151,7 @@ TEST(TwoLevel, AFewRows)
 {
   app::BoundaryCondition weight;
   weight.name = "weight";
-  weight.body = Vector<2>(1e-3, 2e-3);
+  weight.body = Vector<3>(1e-3, 2e-3, 0.0);
   auto corner = test::held_plate({2, 2}, {{0.0, 0.0}, {2.0, 2.0}});
   auto middle = test::held_plate({3, 3}, {{0.0, 0.0}, {3.0, 3.0}});
   for (app::SceneOptions* options : {&corner, &middle}) {

@@ -15,7 +15,7 @@ app::SceneOptions plate()
   app::BoundaryCondition load;
   load.name = "load";
   load.on = "right";
-  load.traction = Vector<2>(1e6, 1e6);
+  load.traction = Vector<3>(1e6, 1e6, 0.0);
   options.conditions.push_back(load);
   return options;
 }

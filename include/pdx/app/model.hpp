@@ -1,0 +1,70 @@
+#pragma once
+#include "pdx/app/scene_options.hpp"
+#include "pdx/couple/step_breaker.hpp"
+#include "pdx/field/output_field.hpp"
+#include "pdx/field/system.hpp"
+#include "pdx/post/energy_ledger.hpp"
+
+#include <map>
+#include <set>
+
+namespace pdx::app {
+/// Components a boundary condition holds, for its reaction force.
+struct HeldPart {
+  std::string name;
+  std::vector<Index> components; ///< owned, local
+};
+
+/// A scene with its rows, Terms and conditions, in the plane or in space: all that stepping through time and recording
+/// ask of it.
+struct Model {
+  Model() = default;
+  virtual ~Model() = default;
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  crack::CrackSet cracks;
+  field::System system;
+  couple::BondBreaker* breaker = nullptr; ///< borrowed from system.after_step; null in statics or if nothing can break
+  std::vector<double> critical_stretch;   ///< per patch [-]; empty if nothing can break
+  std::vector<HeldPart> held_parts;
+  Index ghosts = 0; ///< on all ranks [-]
+
+  /// This rank's strain energies at local blocks u [J]. Collective.
+  virtual post::Energies energies(std::span<const double> local) const = 0;
+};
+
+/// The cracks that are there from the start. Throws UserError for one that is nowhere in the body.
+crack::CrackSet cracks_in(const std::vector<crack::Polyline>& lines, const geom::Box<2>& body);
+
+/// Critical stretch of the bonds of a stencil, by toughness or as given [-].
+template <int Dim> double critical_stretch(const SceneOptions& options, const pd::Stencil<Dim>& stencil);
+
+/// Enters boundary conditions into a Model: what is held, thrown in or loaded, and what drives that in time.
+class Prescriptions {
+public:
+  /// The rows of the model are numbered. @param options, model outlive this
+  Prescriptions(const SceneOptions& options, Model& model);
+
+  /// Holds rows as the condition says; later conditions win, and the reaction is theirs.
+  void hold(const BoundaryCondition& c, const std::set<Index>& rows);
+  void throw_in(const BoundaryCondition& c, const std::set<Index>& rows);
+  /// Adds a load [N] with the condition's history. @param force of owned components
+  void load(const BoundaryCondition& c, std::span<const double> force);
+  /// After all conditions.
+  void finish();
+
+private:
+  struct Held {
+    double value = 0.0; ///< [m] or [m/s]
+    std::size_t condition = 0;
+    bool moves = false; ///< it is a velocity
+  };
+  bool is_set(Index row) const;
+
+  const SceneOptions& options_;
+  Model& model_;
+  Index dim_;
+  std::map<Index, Held> values_; // per held component
+};
+} // namespace pdx::app

@@ -1,0 +1,97 @@
+#include "pdx/app/solid.hpp"
+#include "pdx/base/gather.hpp"
+
+#include <fmt/format.h>
+
+namespace pdx::app {
+namespace {
+/// A side of the body.
+struct Side {
+  std::size_t axis;
+  bool high;
+};
+
+Side side_of(const BoundaryCondition& c)
+{
+  static constexpr const char* names[] = {"left", "right", "bottom", "top", "back", "front"};
+  for (std::size_t k = 0; k < 6; ++k)
+    if (c.on == names[k]) return {k / 2, k % 2 == 1};
+  throw UserError(
+      fmt::format("-bc_{}_on is {}: a solid has left, right, bottom, top, back (z = 0) and front", c.name, c.on));
+}
+
+class Conditions {
+public:
+  Conditions(const SceneOptions& options, const geom::Lattice<3>& lattice, Solid& solid)
+      : options_(options), lattice_(lattice), solid_(solid), entries_(options, solid)
+  {}
+
+  void apply()
+  {
+    for (const BoundaryCondition& c : options_.conditions) {
+      if (c.holds()) entries_.hold(c, rows_of(c, "displacement or velocity"));
+      if (c.initial_velocity) entries_.throw_in(c, rows_of(c, "initial velocity"));
+      if (!c.traction && !c.body) continue;
+      force_.assign(static_cast<std::size_t>(solid_.system.rows.owned()) * 3, 0.0);
+      const double dx = lattice_.dx;
+      if (c.traction) add(rows_of(c, "traction"), dx * dx / c.rows * *c.traction);
+      if (c.body) add(rows_of(c, "body force"), dx * dx * dx * *c.body);
+      entries_.load(c, force_);
+    }
+    entries_.finish();
+  }
+
+private:
+  /// The box is seen in the plane; under a side, where that side is.
+  bool inside(const BoundaryCondition& c, const Site<3>& site) const
+  {
+    if (!c.box) return true;
+    Vector<3> x = lattice_.point(site);
+    if (!c.on.empty()) {
+      const auto [axis, high] = side_of(c);
+      const auto a = static_cast<Eigen::Index>(axis);
+      x[a] = lattice_.origin[a] + (high ? lattice_.count[axis] * lattice_.dx : 0.0);
+    }
+    return c.box->contains(x.head<2>(), 1e-6 * lattice_.dx);
+  }
+
+  bool under(const BoundaryCondition& c, const Site<3>& site) const
+  {
+    if (c.on.empty()) return true;
+    const auto [axis, high] = side_of(c);
+    return (high ? lattice_.count[axis] - 1 - site[axis] : site[axis]) < c.rows;
+  }
+
+  std::set<Index> rows_of(const BoundaryCondition& c, const char* what) const
+  {
+    std::set<Index> rows;
+    if (!c.on.empty()) (void)side_of(c); // refused on ranks without particles too
+    for (std::size_t k = 0; k < solid_.particles.size(); ++k) {
+      const Site<3> site = lattice_.site(solid_.particles[k].site);
+      if (under(c, site) && inside(c, site)) rows.insert(static_cast<Index>(k));
+    }
+    if (!any_rank(solid_.system.rows.comm, !rows.empty()))
+      throw UserError(
+          fmt::format("-bc_{}_{}: no particle lies there for the {} to act on", c.name, c.box ? "box" : "on", what));
+    return rows;
+  }
+
+  void add(const std::set<Index>& rows, const Vector<3>& force)
+  {
+    for (const Index row : rows)
+      for (Index a = 0; a < 3; ++a) force_[static_cast<std::size_t>(3 * row + a)] += force[a];
+  }
+
+  const SceneOptions& options_;
+  const geom::Lattice<3>& lattice_;
+  Solid& solid_;
+  Prescriptions entries_;
+  std::vector<double> force_; // of one condition [N]
+};
+} // namespace
+
+void apply_conditions(const SceneOptions& options, const geom::Lattice<3>& lattice, Solid& solid)
+{
+  Conditions(options, lattice, solid).apply();
+}
+} // namespace pdx::app
