@@ -118,12 +118,12 @@ double potential(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan&
 }
 } // namespace
 
-double length_inside(const Discretisation& d, int crack)
+double length_inside(const Model& scene, int crack)
 {
   double length = 0.0;
-  const crack::Polyline& p = d.cracks.points(crack);
+  const crack::Polyline& p = scene.cracks.points(crack);
   for (std::size_t k = 0; k + 1 < p.size(); ++k)
-    if (const auto part = geom::clip<2>(p[k], p[k + 1], d.body))
+    if (const auto part = geom::clip<2>(p[k], p[k + 1], scene.body))
       length += (part->leave - part->enter) * (p[k + 1] - p[k]).norm();
   return length;
 }

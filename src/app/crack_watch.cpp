@@ -1,6 +1,7 @@
 #include "pdx/app/crack_watch.hpp"
 
 #include "pdx/app/crack_results.hpp"
+#include "pdx/app/solid.hpp"
 #include "pdx/law/waves.hpp"
 
 #include <algorithm>
@@ -10,11 +11,20 @@
 
 namespace pdx::app {
 namespace {
-std::vector<post::TreeGround> grounds_of(const PatchPlan& plan)
+geom::Lattice<2> plane_of(const geom::Lattice<3>& lattice)
+{
+  return {lattice.origin.head<2>(), lattice.dx, {lattice.count[0], lattice.count[1]}};
+}
+
+std::vector<post::TreeGround> grounds_of(const Standing& scene)
 {
   std::vector<post::TreeGround> grounds;
-  for (std::size_t p = 0; p < plan.shapes.size(); ++p)
-    grounds.push_back({plan.shapes[p].lattice, plan.stencils[p].horizon});
+  if (scene.solid) {
+    const pd::LatticePart<3>& part = *scene.solid->bonds->parts()[0];
+    return {{plane_of(part.lattice()), part.stencil().horizon}};
+  }
+  for (std::size_t p = 0; p < scene.plan->shapes.size(); ++p)
+    grounds.push_back({scene.plan->shapes[p].lattice, scene.plan->stencils[p].horizon});
   return grounds;
 }
 
@@ -45,15 +55,15 @@ nlohmann::ordered_json describe(const post::GrownTip& tip, const crack::Tip& fro
 
 CrackWatch::CrackWatch(const RunFiles& files)
     : files_(files),
-      tracker_(files.comm(), files.scene.d->cracks.tips(), grounds_of(*files.scene.plan), files.options.post.tip_damage)
+      tracker_(files.comm(), files.scene.model->cracks.tips(), grounds_of(files.scene), files.options.post.tip_damage)
 {
-  const Discretisation& d = *files.scene.d;
+  const Model& d = *files.scene.model;
   for (int k = 0; k < d.cracks.size(); ++k) given_ += length_inside(d, k);
 }
 
 std::unique_ptr<CrackWatch> CrackWatch::make(const RunFiles& files)
 {
-  const Discretisation& d = *files.scene.d;
+  const Model& d = *files.scene.model;
   if (!d.breaker) return nullptr;
   std::unique_ptr<CrackWatch> watch(new CrackWatch(files));
   for (std::size_t t = 0; t < d.cracks.tips().size(); ++t)
@@ -76,15 +86,34 @@ void CrackWatch::look(double time, std::int64_t bonds_broken)
 {
   if (bonds_broken == broken_) return tracker_.nothing_new(time);
   broken_ = bonds_broken;
+  if (files_.scene.solid) return look_at_layer(time);
   const Discretisation& d = *files_.scene.d;
   couple::ParticleDamage damage = couple::particle_damage(d.system.rows, *d.bonds, d.carried);
   for (std::size_t k = 0; k < damage.damage.size(); ++k) damage.damage[k] += damage.precrack[k];
   tracker_.look(time, d.particles, damage.damage);
 }
 
+void CrackWatch::look_at_layer(double time)
+{
+  const Solid& solid = *files_.scene.solid;
+  const geom::Lattice<3>& lattice = solid.bonds->parts()[0]->lattice();
+  const geom::Lattice<2> plane = plane_of(lattice);
+  const couple::ParticleDamage all = couple::particle_damage<3>(solid.system.rows, *solid.bonds, nullptr);
+  std::vector<pd::Particle> layer;
+  std::vector<double> damage;
+  for (std::size_t k = 0; k < solid.particles.size(); ++k) {
+    const Site<3> site = lattice.site(solid.particles[k].site);
+    if (site[2] != lattice.count[2] / 2) continue;
+    layer.push_back(solid.particles[k]);
+    layer.back().site = static_cast<Index>(plane.number({site[0], site[1]}));
+    damage.push_back(all.damage[k] + all.precrack[k]);
+  }
+  tracker_.look(time, layer, damage);
+}
+
 void CrackWatch::write_results(nlohmann::ordered_json& results) const
 {
-  const std::span<const crack::Tip> given = files_.scene.d->cracks.tips();
+  const std::span<const crack::Tip> given = files_.scene.model->cracks.tips();
   const post::CrackTree& tree = tracker_.tree();
   const double limit = law::rayleigh_speed(files_.options.elastic);
   nlohmann::ordered_json table = nlohmann::ordered_json::array();

@@ -99,7 +99,8 @@ std::unique_ptr<Solid> discretise(MPI_Comm comm, const SceneOptions& options, co
 {
   auto solid = std::make_unique<Solid>();
   solid->particles = std::move(particles);
-  solid->cracks = cracks_in(options.cracks.lines, plan.columns.body);
+  solid->body = plan.columns.body;
+  solid->cracks = cracks_in(options.cracks.lines, solid->body);
   number_rows(comm, plan.lattice, *solid);
   add_bonds(options, plan, *solid);
   apply_conditions(options, plan.lattice, *solid);

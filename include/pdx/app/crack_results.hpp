@@ -25,7 +25,7 @@ struct CrackState {
 /// Collective.
 CrackState crack_state(const Discretisation& d);
 /// Length of a given crack inside the body's box [m].
-double length_inside(const Discretisation& d, int crack);
+double length_inside(const Model& scene, int crack);
 
 /// -dPi/da of each tip, the crack's end moved forth and back by a spacing of the patch it lies in, else by an element:
 /// two solves of the whole load path each [J/m^2]. Leaves the mesh plain. Collective.

@@ -3,8 +3,8 @@
 #include "pdx/post/crack_tracker.hpp"
 
 namespace pdx::app {
-/// The cracks of a scene in time: columns of history.csv, results, and crack_path.csv. All methods but `columns` and
-/// `row` are collective.
+/// The cracks of a scene in time, those of a solid as its middle layer shows them: columns of history.csv, results, and
+/// crack_path.csv. All methods but `columns` and `row` are collective.
 class CrackWatch {
 public:
   /// None where no bond can break or no crack has a tip in a patch.
@@ -21,6 +21,7 @@ public:
 
 private:
   explicit CrackWatch(const RunFiles& files);
+  void look_at_layer(double time);
 
   const RunFiles& files_;
   post::CrackTracker tracker_;

@@ -24,6 +24,7 @@ struct Model {
   Model& operator=(const Model&) = delete;
 
   crack::CrackSet cracks;
+  geom::Box<2> body; ///< in the plane, that the cracks are in [m]
   field::System system;
   couple::BondBreaker* breaker = nullptr; ///< borrowed from system.after_step; null in statics or if nothing can break
   std::vector<double> critical_stretch;   ///< per patch [-]; empty if nothing can break
