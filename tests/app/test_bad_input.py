@@ -32,6 +32,22 @@ PLATE = {
 }
 # The patch covers the inner 2 x 2 cells: sides of 0.5 m, 10 particles along each.
 PATCH = PLATE | {"-pd_patches": "0.25,0.25,0.75,0.75", "-pd_spacing": "0.05", "-pd_horizon_ratio": "3.015"}
+# A block of 10 x 10 x 4 particles in space, thrown to the right.
+SOLID = {key: value for key, value in PLATE.items() if not key.startswith("-bc_")} | {
+    "-mesh_cells": None,
+    "-material_plane": "solid",
+    "-material_poisson": "0.25",
+    "-material_thickness": "0.4",
+    "-material_density": "1000",
+    "-pd_patches": "all",
+    "-pd_spacing": "0.1",
+    "-pd_horizon_ratio": "2",
+    "-analysis": "explicit",
+    "-ts_max_steps": "3",
+    "-bc_names": "left",
+    "-bc_left_on": "left",
+    "-bc_left_velocity": "1,free,0",
+}
 # The same plate from a file: no box options.
 FILE = {key: value for key, value in PLATE.items() if key not in ("-mesh_lower", "-mesh_upper", "-mesh_cells")}
 
@@ -86,6 +102,11 @@ def plate(name, pattern, **change):
 def patch(name, pattern, **change):
     """A case on the plate with a patch."""
     return Case(name, {f"-{key}": value for key, value in change.items()}, pattern, PATCH)
+
+
+def solid(name, pattern, **change):
+    """A case on the block in space."""
+    return Case(name, {f"-{key}": value for key, value in change.items()}, pattern, SOLID)
 
 
 def from_file(name, pattern, file):
@@ -276,6 +297,29 @@ CASES = [
     plate("neither true nor false for precracks", r"-post_precrack_as_damage\b.*maybe", post_precrack_as_damage="maybe"),
     plate("output interval zero", r"-output_interval\b.*0.*at least 1", output_interval="0"),
     plate("output interval not whole", r"-output_interval\b.*1\.5.*whole", output_interval="1.5"),
+    # --- solids
+    solid("solid of elements", r"-material_plane solid\b.*-pd_patches all", pd_patches=None, pd_spacing=None,
+          mesh_cells="4,4"),
+    solid("solid in part of particles", r"-material_plane solid\b.*-pd_patches all", mesh_cells="4,4",
+          pd_patches="0.25,0.25,0.75,0.75", pd_spacing="0.05"),
+    solid("solid in equilibrium", r"-material_plane solid\b.*-analysis explicit", analysis=None,
+          bc_left_velocity=None, bc_left_displacement="0,0"),
+    solid("solid in implicit steps", r"-material_plane solid\b.*-analysis explicit", analysis="implicit"),
+    solid("solid without a depth", r"-material_thickness\b.*depth", material_thickness=None),
+    solid("solid of a depth that does not fit", r"-pd_spacing\b.*1, 1, 0\.37.*no spacing|-pd_spacing\b.*0\.37.*fits is",
+          material_thickness="0.37"),
+    solid("spacing that does not fit a solid", r"-pd_spacing\b.*0\.15\b.*solid.*fits is 0\.2", pd_spacing="0.15"),
+    solid("solid at 1/3", r"-material_poisson\b.*0\.25 in three dimensions", material_poisson="0.3333333333333333"),
+    solid("solid held in a layer", r"-material_plane solid\b.*-bc_left_layer\b.*_rows", bc_left_layer=""),
+    solid("solid under a point force", r"-material_plane solid\b.*-bc_left_force\b", bc_left_force="1,0",
+          bc_left_at="0,0"),
+    solid("J in a solid", r"-material_plane solid\b.*-post_j", post_j_contours="0.2", post_j_centre="0.5,0.5"),
+    solid("solid with a tangent", r"-material_plane solid\b.*-pd_operator\b", pd_operator="assembled"),
+    solid("side that a solid has not", r"-bc_left_on\b.*lefft.*left.*front", bc_left_on="lefft"),
+    solid("box beside a solid", r"-bc_left_box\b.*no particle", bc_left_box="5,5,6,6"),
+    solid("four components", r"-bc_left_velocity\b.*4.*2 or 3", bc_left_velocity="1,0,0,0"),
+    solid("traction of four components", r"-bc_left_traction\b.*4 values.*2", bc_left_traction="1,0,0,0"),
+    patch("side of a solid in the plane", r"-bc_left_on\b.*front.*\bleft\b", bc_left_on="front"),
     # --- files
     plate("missing options file", r"nowhere\.opts", options_file="{dir}/nowhere.opts"),
     plate("options file that names itself", r"circle\.opts.*circle", options_file="{dir}/circle.opts"),
@@ -294,6 +338,9 @@ GOOD = [
     Case("cracks from a file and by name",
          {"-crack_file": "{dir}/good.cracks", "-crack_names": "a", "-crack_a_points": "0,0.1,1,0.1"}, "", PLATE),
     Case("a toughness in the patch", {"-material_toughness": "5"}, "", PATCH),
+    Case("a block in space", {}, "", SOLID),
+    Case("a block in space with two components", {"-bc_left_velocity": "1,0", "-bc_left_traction": "1,0"}, "", SOLID),
+    Case("a block in space on its front", {"-bc_left_on": "front", "-bc_left_traction": "1,0,3"}, "", SOLID),
     Case("traction and displacement on one boundary", {"-bc_left_traction": "0,1e5"}, "", PLATE),
 ]
 
