@@ -90,7 +90,7 @@ Solved solve_strip(bool growing)
   app::BoundaryCondition pull;
   pull.name = "pull";
   pull.on = "right";
-  pull.traction = Vector<2>(3e-2, 1e-2);
+  pull.traction = Vector<3>(3e-2, 1e-2, 0.0);
   options.conditions.push_back(pull);
   test::Scene scene(options);
   field::System& system = scene.system();
