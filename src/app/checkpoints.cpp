@@ -112,7 +112,7 @@ void Checkpoints::refuse_other_scene() const
 void Checkpoints::begin(const Standing& scene, solve::TimeDriver& driver, TimeRecorder& recorder)
 {
   scene_ = std::make_unique<SceneState>(scene, files_.options);
-  breaker_ = scene.d->breaker;
+  breaker_ = scene.model->breaker;
   step_length_ = driver.step_length();
   sound_ = numbers_now(recorder);
   if (!from_) return;

@@ -1,9 +1,11 @@
 #include "pdx/app/scene_state.hpp"
 
+#include "pdx/app/solid.hpp"
 #include "pdx/base/gather.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace pdx::app {
 namespace {
@@ -29,19 +31,27 @@ std::vector<SetName> names_of_sets(const mesh::Mesh& mesh, const Discretisation&
   return names;
 }
 
-std::string lines_of(const SceneOptions& options, const PatchPlan& plan)
+/// A patch in the plane, or a solid.
+template <int Dim> std::string line_of(const geom::Lattice<Dim>& lattice, std::size_t bonds)
+{
+  return fmt::format("{} particles {} m apart from ({}), {} bonds\n", fmt::join(lattice.count, " x "), lattice.dx,
+                     fmt::join(lattice.origin.data(), lattice.origin.data() + Dim, ", "), bonds);
+}
+
+std::string lines_of(const SceneOptions& options, const Standing& scene)
 {
   const law::Elastic& m = options.elastic;
   std::string text =
       fmt::format("material = E {} nu {} rho {} thickness {} {}\nkinematics = {}\nscheme = {}\n", m.young, m.poisson,
                   m.density, m.thickness, m.plane == law::Plane::stress ? "plane stress" : "plane strain",
                   static_cast<int>(options.kinematics), static_cast<int>(options.scheme));
-  for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
-    const auto& lattice = plan.shapes[p].lattice;
-    text +=
-        fmt::format("patch {} = {} x {} particles {} m apart from ({}, {}), {} bonds\n", p + 1, lattice.count[0],
-                    lattice.count[1], lattice.dx, lattice.origin[0], lattice.origin[1], plan.stencils[p].half.size());
+  if (scene.solid) {
+    const pd::LatticePart<3>& part = *scene.solid->bonds->parts()[0];
+    text += "solid = " + line_of<3>(part.lattice(), part.stencil().half.size());
   }
+  for (std::size_t p = 0; scene.plan && p < scene.plan->shapes.size(); ++p)
+    text += fmt::format("patch {} = ", p + 1) +
+            line_of<2>(scene.plan->shapes[p].lattice, scene.plan->stencils[p].half.size());
   for (std::size_t c = 0; c < options.cracks.lines.size(); ++c) {
     text += fmt::format("crack {} =", c + 1);
     for (const Vector<2>& x : options.cracks.lines[c]) text += fmt::format(" ({}, {})", x[0], x[1]);
@@ -51,28 +61,46 @@ std::string lines_of(const SceneOptions& options, const PatchPlan& plan)
 }
 } // namespace
 
-SceneState::SceneState(const Standing& scene, const SceneOptions& options)
-    : mesh_(*scene.mesh), plan_(*scene.plan), d_(*scene.d)
+SceneState::SceneState(const Standing& scene, const SceneOptions& options) : scene_(scene), model_(*scene.model)
 {
   number_rows();
   describe(options);
 }
 
+template <class Visit> void SceneState::with_bonds(Visit&& visit) const
+{
+  if (scene_.solid)
+    visit(*scene_.solid->bonds);
+  else if (scene_.d->bonds)
+    visit(*scene_.d->bonds);
+}
+
+std::span<const pd::Particle> SceneState::particles() const
+{
+  return scene_.solid ? scene_.solid->particles : scene_.d->particles;
+}
+
 void SceneState::number_rows()
 {
-  const MPI_Comm comm = d_.system.rows.comm;
-  const std::vector<SetName> mine = names_of_sets(mesh_, d_);
+  const mesh::Mesh& mesh = *scene_.mesh;
+  const MPI_Comm comm = model_.system.rows.comm;
+  const std::vector<SetName> mine = scene_.d ? names_of_sets(mesh, *scene_.d) : std::vector<SetName>();
   std::vector<SetName> all = gather_all(comm, mine);
   std::ranges::sort(all);
   sets_ = static_cast<PetscInt>(all.size());
-  first_.assign(1, mesh_.global_vertices() + sets_);
-  for (const auto& shape : plan_.shapes) first_.push_back(first_.back() + static_cast<PetscInt>(shape.lattice.total()));
+  first_.assign(1, scene_.mesh->global_vertices() + sets_);
+  with_bonds([&](const auto& bonds) {
+    for (const auto& part : bonds.parts())
+      first_.push_back(first_.back() + static_cast<PetscInt>(part->lattice().total()));
+  });
 
   std::vector<PetscInt> held, particles;
-  for (const Index v : d_.nodes) held.push_back(mesh_.natural_vertex(v));
+  if (scene_.d)
+    for (const Index v : scene_.d->nodes) held.push_back(mesh.natural_vertex(v));
   for (const SetName& name : mine)
-    held.push_back(mesh_.global_vertices() + static_cast<PetscInt>(std::ranges::lower_bound(all, name) - all.begin()));
-  for (const pd::Particle& p : d_.particles) {
+    held.push_back(scene_.mesh->global_vertices() +
+                   static_cast<PetscInt>(std::ranges::lower_bound(all, name) - all.begin()));
+  for (const pd::Particle& p : this->particles()) {
     held.push_back(first_[0] + particle_number(p.patch, p.site));
     particles.push_back(particle_number(p.patch, p.site));
   }
@@ -87,77 +115,83 @@ PetscInt SceneState::particle_number(Index patch, Index site) const
 
 void SceneState::describe(const SceneOptions& options)
 {
-  std::int64_t counts[2] = {d_.system.rows.nodes, d_.system.rows.particles};
-  MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, d_.system.rows.comm);
+  std::int64_t counts[2] = {model_.system.rows.nodes, model_.system.rows.particles};
+  MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, model_.system.rows.comm);
   text_ = fmt::format("format = {}\nvertices = {}\nnodes = {}\nenriched sets = {}\nparticles = {}\n", kFormat,
-                      mesh_.global_vertices(), counts[0], sets_, counts[1]);
-  text_ += lines_of(options, plan_);
-  text_ += fmt::format("critical stretch = {}\n", fmt::join(d_.critical_stretch, ", "));
+                      scene_.mesh->global_vertices(), counts[0], sets_, counts[1]);
+  text_ += lines_of(options, scene_);
+  text_ += fmt::format("critical stretch = {}\n", fmt::join(model_.critical_stretch, ", "));
 }
 
 void SceneState::write(io::Hdf5File& file, const solve::TimeDriver& driver) const
 {
   const solve::TimeDriver::State state = driver.state();
+  const int dim = model_.system.rows.dim;
   std::vector<double> held(state.u.size(), 0.0);
   for (std::size_t k = 0; k < state.held.size(); ++k)
-    held[static_cast<std::size_t>(d_.system.prescribed.components[k])] = state.held[k];
+    held[static_cast<std::size_t>(model_.system.prescribed.components[k])] = state.held[k];
   const auto table = [&](const std::string& name, std::span<const double> values) {
-    const std::vector<double> block = rows_->to_table(values, 2);
-    file.dataset(name, std::span<const double>(block), 2);
+    const std::vector<double> block = rows_->to_table(values, dim);
+    file.dataset(name, std::span<const double>(block), dim);
   };
   table("/displacement", state.u);
   table("/velocity", state.v);
   table("/acceleration", state.a);
   table("/held_force", held);
-  if (!d_.breaker) return;
+  if (!model_.breaker) return;
 
   std::vector<std::uint64_t> words;
-  for (const auto& part : d_.bonds->parts())
-    for (Index k = 0; k < static_cast<Index>(part->sites().size()); ++k)
-      for (const std::uint64_t word : part->words_of(k)) words.push_back(word);
+  with_bonds([&](const auto& bonds) {
+    for (const auto& part : bonds.parts())
+      for (Index k = 0; k < static_cast<Index>(part->sites().size()); ++k)
+        for (const std::uint64_t word : part->words_of(k)) words.push_back(word);
+  });
   const std::vector<std::uint64_t> block = particles_->to_table(words, 2);
   file.dataset("/bond_words", std::span<const std::uint64_t>(block), 2);
-  if (!d_.carried) return;
-  std::vector<std::uint64_t> keys = gather_all(d_.system.rows.comm, d_.carried->broken());
+  if (!scene_.d || !scene_.d->carried) return;
+  std::vector<std::uint64_t> keys = gather_all(model_.system.rows.comm, scene_.d->carried->broken());
   std::ranges::sort(keys);
   int rank = 0;
-  MPI_Comm_rank(d_.system.rows.comm, &rank);
+  MPI_Comm_rank(model_.system.rows.comm, &rank);
   if (rank) keys.clear();
   file.dataset("/broken_carried_bonds", std::span<const std::uint64_t>(keys), 1);
 }
 
 std::vector<double> SceneState::read_rows(const io::Hdf5Reader& file, const std::string& name) const
 {
-  std::vector<double> block(2 * static_cast<std::size_t>(rows_->rows()));
-  file.read(name, rows_->first(), 2, std::span<double>(block));
-  return rows_->from_table(block, 2);
+  const int dim = model_.system.rows.dim;
+  std::vector<double> block(static_cast<std::size_t>(dim) * static_cast<std::size_t>(rows_->rows()));
+  file.read(name, rows_->first(), dim, std::span<double>(block));
+  return rows_->from_table(block, dim);
 }
 
 void SceneState::read_bonds(const io::Hdf5Reader& file) const
 {
   std::vector<std::uint64_t> block(2 * static_cast<std::size_t>(particles_->rows()));
   file.read("/bond_words", particles_->first(), 2, std::span<std::uint64_t>(block));
-  for (std::size_t p = 0; p < d_.bonds->parts().size(); ++p) {
-    std::vector<PetscInt> wanted;
-    for (const Index site : d_.bonds->parts()[p]->word_sites())
-      wanted.push_back(particle_number(static_cast<Index>(p), site));
-    const io::NaturalOrder order(d_.system.rows.comm, first_.back() - first_[0], wanted);
-    d_.bonds->set_words(p, order.from_table(block, 2));
-  }
-  if (!d_.carried) return;
+  with_bonds([&](auto& bonds) {
+    for (std::size_t p = 0; p < bonds.parts().size(); ++p) {
+      std::vector<PetscInt> wanted;
+      for (const Index site : bonds.parts()[p]->word_sites())
+        wanted.push_back(particle_number(static_cast<Index>(p), site));
+      const io::NaturalOrder order(model_.system.rows.comm, first_.back() - first_[0], wanted);
+      bonds.set_words(p, order.from_table(block, 2));
+    }
+  });
+  if (!scene_.d || !scene_.d->carried) return;
   std::vector<std::uint64_t> keys(static_cast<std::size_t>(file.shape("/broken_carried_bonds")[0]));
   file.read("/broken_carried_bonds", 0, 1, std::span<std::uint64_t>(keys));
-  d_.carried->set_broken(keys);
+  scene_.d->carried->set_broken(keys);
 }
 
 void SceneState::read(const io::Hdf5Reader& file, const solve::TimeDriver::Clock& clock,
                       solve::TimeDriver& driver) const
 {
-  if (d_.breaker) read_bonds(file);
+  if (model_.breaker) read_bonds(file);
   const std::vector<double> u = read_rows(file, "/displacement"), v = read_rows(file, "/velocity"),
                             a = read_rows(file, "/acceleration"), force = read_rows(file, "/held_force");
   std::vector<double> held;
-  for (const Index c : d_.system.prescribed.components) held.push_back(force[static_cast<std::size_t>(c)]);
+  for (const Index c : model_.system.prescribed.components) held.push_back(force[static_cast<std::size_t>(c)]);
   driver.resume(clock, {u, v, a, held});
 }
 } // namespace pdx::app

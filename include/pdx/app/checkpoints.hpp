@@ -36,7 +36,7 @@ private:
   StopSignals signals_;
   std::unique_ptr<io::Hdf5Reader> from_; // until the state is taken over
   std::unique_ptr<SceneState> scene_;
-  couple::StepBreaker* breaker_ = nullptr;
+  couple::BondBreaker* breaker_ = nullptr;
   Numbers head_, sound_; // of -restart; noted where the driver can go back to
   std::string stopped_;
   double step_length_ = 0.0; // that the run began with [s]

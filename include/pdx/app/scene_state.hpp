@@ -9,7 +9,7 @@ namespace pdx::app {
 /// mesh vertex, then enriched sets by vertex and crack, then particles by patch and site.
 class SceneState {
 public:
-  /// `scene` and `options` must outlive it. Collective.
+  /// What `scene` points to must outlive it. Collective.
   SceneState(const Standing& scene, const SceneOptions& options);
 
   /// What makes a scene this one, "name = value" a line: a state fits only where all of them are the same.
@@ -26,9 +26,11 @@ private:
   std::vector<double> read_rows(const io::Hdf5Reader& file, const std::string& name) const;
   void read_bonds(const io::Hdf5Reader& file) const;
 
-  const mesh::Mesh& mesh_;
-  const PatchPlan& plan_;
-  const Discretisation& d_;
+  template <class Visit> void with_bonds(Visit&& visit) const;
+  std::span<const pd::Particle> particles() const;
+
+  Standing scene_;
+  const Model& model_;
   std::vector<PetscInt> first_; // number of each patch's first particle, and of the one behind the last
   PetscInt sets_ = 0;           // on all ranks
   std::unique_ptr<io::NaturalOrder> rows_, particles_;
