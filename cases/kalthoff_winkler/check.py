@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Runs Kalthoff and Winkler's plate at 1 mm and asserts what must hold: both cracks start when the papers' does, turn outwards
-by 60 to 75 degrees, mirror each other and are slower than Rayleigh waves.
+by 60 to 75 degrees, mirror each other and are slower than Rayleigh waves. The same in space, at 2 mm, on 1, 2 and 3 ranks.
 
-usage: check.py [--executable build/release/pdxsolve] [cracks] [initial]      default: all
+usage: check.py [--executable build/release/pdxsolve] [cracks] [initial] [solid]      default: all
 The environment lets Open MPI run (`. scripts/mpi_env.sh`). Exit status: 0 if all holds, 1 if not.
 """
 
@@ -15,9 +15,11 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import case_check
 import fields
 import numpy as np
+import solid_cracks
 
 SPACING = 1e-3  # [m]
 ANGLES = (60.0, 75.0)  # of the way from a notch to where its crack ends [degrees]
+COARSE_ANGLES = (58.0, 75.0)  # in space at 2 mm; the full plate has 63.0 to 63.5 [degrees]
 START = (20e-6, 30e-6)  # the paper: about 25 us
 # 50 rows of 3 particles of 1 mm at 22 m/s, 10 mm thick, 7800 kg/m^3
 INITIAL_ENERGY = 0.5 * 7800.0 * 0.05 * 0.003 * 0.01 * 22.0**2
@@ -59,6 +61,35 @@ class Check(case_check.Check):
         self.expect(results["fracture_energy"] == 0.0, "no bond breaks")
         self.expect(results["energy_drift_ratio"] < 0.02, f"energy drift {results['energy_drift_ratio']:.1e}")
 
+    def solid_damage(self, ranks):
+        """Directory, points and damage of the plate in space, in an order that does not depend on the ranks."""
+        run = self.run("solid_smoke", ranks)
+        if not run:
+            return None
+        block = fields.read_step(run[0])[1]["particles"]
+        order = np.argsort(block.natural_point)
+        return run[0], block.points[order], block["damage"][order]
+
+    def solid(self):
+        alone = self.solid_damage(1)
+        if not alone:
+            return
+        directory, points, damage = alone
+        for ranks in (2, 3):
+            if other := self.solid_damage(ranks):
+                gap = np.abs(other[2] - damage).max()
+                self.expect(gap <= 1e-12, f"damage on {ranks} ranks: within {gap:.1e}")
+        angles = solid_cracks.angles(points, damage)
+        low, high = angles.min(), angles.max()
+        self.expect(COARSE_ANGLES[0] < low and high < COARSE_ANGLES[1], f"{low:.1f} to {high:.1f} degrees in all layers")
+        self.expect(np.abs(angles[:, 0] - angles[:, 1]).max() < 0.1, "the cracks mirror each other")
+        self.expect(np.abs(angles - angles[::-1]).max() < 0.1, "back and front are alike")
+        results = fields.read_summary(directory)["results"]
+        tip = abs(results["crack_angle_degrees"])
+        self.expect(ANGLES[0] < tip < ANGLES[1], f"the tip has gone off by {tip:.1f} degrees")
+        ratio = results["max_crack_speed_ratio"]
+        self.expect(0.2 < ratio < 1.0, f"largest speed {ratio:.3f} of the Rayleigh speed")
+
 
 if __name__ == "__main__":
-    sys.exit(case_check.main(__doc__, Check, ("cracks", "initial"), "PART"))
+    sys.exit(case_check.main(__doc__, Check, ("cracks", "initial", "solid"), "PART"))

@@ -12,10 +12,10 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "scripts"))
 
-import check_solid
 import fields
 import matplotlib
 import numpy as np
+import solid_cracks
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -28,15 +28,15 @@ STYLE = {"font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 
 
 def middle(axes, points, damage):
     """Damage of the middle layer as an image: its particles are those of a lattice."""
-    layers = check_solid.layers(points)
+    layers = solid_cracks.layers(points)
     layer = layers[len(layers) // 2]
     order = np.lexsort((points[layer, 0], points[layer, 1]))
     x, y = np.unique(np.round(points[layer, 0], 9)), np.unique(np.round(points[layer, 1], 9))
     image = damage[layer][order].reshape(len(y), len(x))
     extent = [1e3 * v for v in (x[0], x[-1], y[0], y[-1])]
     shown = axes.imshow(image, origin="lower", extent=extent, cmap="magma_r", vmin=0.0, vmax=0.6)
-    angles = [check_solid.crack_angle(points[layer], damage[layer], tip) for tip in check_solid.TIPS]
-    for tip, angle, up in zip(check_solid.TIPS, angles, (1.0, -1.0)):
+    angles = [solid_cracks.crack_angle(points[layer], damage[layer], tip) for tip in solid_cracks.TIPS]
+    for tip, angle, up in zip(solid_cracks.TIPS, angles, (1.0, -1.0)):
         axes.plot([0.0, 1e3 * tip[0]], [1e3 * tip[1]] * 2, color="0.3", linewidth=1)
         reach = 60.0 * np.array([np.cos(np.radians(angle)), up * np.sin(np.radians(angle))])
         axes.plot(*(1e3 * np.array(tip)[:, None] + reach[:, None] * [0.0, 1.0]), "--", color="#4477aa", linewidth=0.8)
