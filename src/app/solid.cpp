@@ -106,6 +106,7 @@ std::unique_ptr<Solid> discretise(MPI_Comm comm, const SceneOptions& options, co
   apply_conditions(options, plan.lattice, *solid);
   solid->system.bind();
   step_explicitly(options, plan, *solid);
+  solid->bonds->skip_below(options.pd.skip_tolerance);
   return solid;
 }
 

@@ -188,8 +188,8 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver)
 /// Tiles of bonds in all passes of an explicit run.
 void TimeRecorder::write_tiles()
 {
-  if (!d_->bonds || files_.options.time.analysis != Analysis::explicit_dynamics) return;
-  std::int64_t tiles[] = {d_->bonds->tiles_computed(), d_->bonds->tiles_skipped()};
+  if (files_.summary.unknowns.pd == 0 || files_.options.time.analysis != Analysis::explicit_dynamics) return;
+  std::int64_t tiles[] = {d_->tiles().computed, d_->tiles().skipped};
   MPI_Allreduce(MPI_IN_PLACE, tiles, 2, MPI_INT64_T, MPI_SUM, files_.comm());
   files_.summary.results["pd_tiles_computed"] = tiles[0];
   files_.summary.results["pd_tiles_skipped"] = tiles[1];

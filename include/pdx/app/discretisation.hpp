@@ -23,6 +23,7 @@ struct Discretisation final : Model {
   couple::Fracture* fracture = nullptr;       ///< borrowed from system.after; null in time or if nothing can break
   std::int64_t bonds_at_start = 0;            ///< of all ranks, after the cracks that were given
   post::Energies energies(std::span<const double> local) const override;
+  Tiles tiles() const override { return bonds ? Tiles{bonds->tiles_computed(), bonds->tiles_skipped()} : Tiles{}; }
   /// Strain energy density per owned row, bonds that leave their patch included; 0 where no particle is [J/m^3].
   std::vector<double> energy_density(std::span<const double> local) const;
   /// Displacement of every local vertex, 2 each [m]. Collective.

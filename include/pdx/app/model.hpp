@@ -33,6 +33,12 @@ struct Model {
 
   /// This rank's strain energies at local blocks u [J]. Collective.
   virtual post::Energies energies(std::span<const double> local) const = 0;
+
+  /// Tiles of bonds in all passes in lane strips so far, this rank.
+  struct Tiles {
+    std::int64_t computed = 0, skipped = 0;
+  };
+  virtual Tiles tiles() const = 0;
 };
 
 /// The cracks that are there from the start. Throws UserError for one that is nowhere in the body.

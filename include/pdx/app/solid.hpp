@@ -29,6 +29,7 @@ struct Solid final : Model {
   pd::BondTerm<3>* bonds = nullptr;    ///< borrowed from system.terms
 
   post::Energies energies(std::span<const double> local) const override;
+  Tiles tiles() const override { return {bonds->tiles_computed(), bonds->tiles_skipped()}; }
 };
 
 /// Collective. Throws UserError for conditions and cracks that are nowhere in the body.
