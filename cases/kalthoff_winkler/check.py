@@ -19,7 +19,7 @@ import solid_cracks
 
 SPACING = 1e-3  # [m]
 ANGLES = (60.0, 75.0)  # of the way from a notch to where its crack ends [degrees]
-COARSE_ANGLES = (58.0, 75.0)  # in space at 2 mm; the full plate has 63.0 to 63.5 [degrees]
+COARSE_ANGLES = (58.0, 75.0)  # in space at 2 mm; the full plate has 63.1 to 63.6 [degrees]
 START = (20e-6, 30e-6)  # the paper: about 25 us
 # 50 rows of 3 particles of 1 mm at 22 m/s, 10 mm thick, 7800 kg/m^3
 INITIAL_ENERGY = 0.5 * 7800.0 * 0.05 * 0.003 * 0.01 * 22.0**2
@@ -86,7 +86,7 @@ class Check(case_check.Check):
         self.expect(np.abs(angles - angles[::-1]).max() < 0.1, "back and front are alike")
         results = fields.read_summary(directory)["results"]
         tip = abs(results["crack_angle_degrees"])
-        self.expect(ANGLES[0] < tip < ANGLES[1], f"the tip has gone off by {tip:.1f} degrees")
+        self.expect(COARSE_ANGLES[0] < tip < COARSE_ANGLES[1], f"the tip has gone off by {tip:.1f} degrees")
         ratio = results["max_crack_speed_ratio"]
         self.expect(0.2 < ratio < 1.0, f"largest speed {ratio:.3f} of the Rayleigh speed")
 
