@@ -7,7 +7,6 @@ namespace pdx::pd {
 namespace {
 /// Room for rounding in the search for overstretched bonds: e is a sum of a few terms of size 1.
 constexpr double kRoom = 1e-12, kRounding = 1e-14;
-constexpr double kHeadroom = 1.25; // a tile takes the next series before it needs it
 
 bool any_displaced(const double* u, std::ptrdiff_t count)
 {
@@ -155,10 +154,7 @@ template <int Dim> void StripPart<Dim>::sweep(double* r, bool energetic)
     fold_ghosts<Dim>(processor_, blocks_.data(), lines_of(slab));
     unload(slab, r);
   }
-  for (std::size_t k = 0; k < chosen_.size(); ++k) {
-    tasks_[chosen_[k]] = chosen_tasks_[k];
-    tasks_[chosen_[k]].series = series_for(kHeadroom * chosen_tasks_[k].lowest, kHeadroom * chosen_tasks_[k].highest);
-  }
+  for (std::size_t k = 0; k < chosen_.size(); ++k) tasks_[chosen_[k]] = chosen_tasks_[k];
 }
 
 template <int Dim> void StripPart<Dim>::prepare(Index slab)
@@ -168,18 +164,19 @@ template <int Dim> void StripPart<Dim>::prepare(Index slab)
   clear_forces<Dim>(processor_, blocks_.data(), lines_of(slab));
 }
 
-/// Where the series of a tile turns out too short, all that reaches the slab is added up again.
+/// Each tile begins with the series of its last step. Where that turns out to be another than its bonds need, all that
+/// reaches the slab is added up again: forces depend on the state alone, to the last bit, and not on how it was reached.
 template <int Dim> void StripPart<Dim>::sweep_slab(Index slab, bool energetic)
 {
   sweep_strips<Dim>(processor_, view_, kinematics_, tasks_of(slab), energetic);
-  bool insufficient = false;
+  bool wrong = false;
   for (StripTask& task : tasks_of(slab)) {
     const Series needed = series_for(task.lowest, task.highest);
-    if (kinematics_ == Kinematics::linear || needed <= task.series) continue;
+    if (kinematics_ == Kinematics::linear || needed == task.series) continue;
     task.series = needed;
-    insufficient = true;
+    wrong = true;
   }
-  if (!insufficient) return;
+  if (!wrong) return;
   for (Index q = slab; q <= slab + slabs_reached(); ++q) prepare(q);
   for (Index q = std::max(0, slab - slabs_reached()); q <= slab; ++q) // slabs before this one are done with
     sweep_strips<Dim>(processor_, view_, kinematics_, tasks_of(q), energetic);
