@@ -82,6 +82,18 @@ void CrackWatch::look(double time, std::int64_t bonds_broken)
   tracker_.look(time, d.particles, damage.damage);
 }
 
+std::optional<CrackNotes> CrackWatch::notes() const
+{
+  if (broken_ < 0) return std::nullopt;
+  return CrackNotes{broken_, tracker_.state()};
+}
+
+void CrackWatch::take_notes(CrackNotes notes)
+{
+  broken_ = notes.bonds_broken;
+  tracker_.resume(std::move(notes.tracker));
+}
+
 void CrackWatch::write_results(nlohmann::ordered_json& results) const
 {
   const std::span<const crack::Tip> given = files_.scene.d->cracks.tips();

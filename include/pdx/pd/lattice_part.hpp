@@ -144,7 +144,8 @@ private:
   double stretch(const Window& loaded, std::ptrdiff_t i, std::size_t h, Kinematics kinematics) const;
   double stretch(const Vector<Dim>& eta, std::size_t h, Kinematics kinematics) const;
   double energy_of(std::ptrdiff_t i, std::size_t h, double stretch) const;
-  std::vector<double> bonded_volume_now() const;
+  const std::vector<double>& bonded_volume_now() const;
+  void forget_volume() const;
   void remember_volume();
 
   field::Rows rows_;
@@ -166,6 +167,8 @@ private:
     std::vector<std::uint8_t> traits;
   } saved_;
   std::vector<double> whole_volume_, start_volume_; // per owned particle; empty until bonds change [m^3]
+  mutable std::vector<double> now_volume_;          // likewise, but of particles that lost bonds since; empty: unknown
+  mutable std::vector<std::ptrdiff_t> thinned_;     // window indices of those, where now_volume_ is known
   std::vector<double> share_;
   bool corrected_ = false;        // alike on every rank, also on those without particles
   std::vector<Index> local_rows_; // per window site: local row or -1
