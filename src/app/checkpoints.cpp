@@ -114,7 +114,7 @@ void Checkpoints::begin(const Standing& scene, solve::TimeDriver& driver, TimeRe
   scene_ = std::make_unique<SceneState>(scene, files_.options);
   breaker_ = scene.model->breaker;
   step_length_ = driver.step_length();
-  sound_ = numbers_now(recorder);
+  sound_ = kept_now(recorder);
   if (!from_) return;
   refuse_other_scene();
   solve::TimeDriver::Clock clock = clock_of(head_);
@@ -127,9 +127,12 @@ void Checkpoints::begin(const Standing& scene, solve::TimeDriver& driver, TimeRe
   if (driver.end_time() != head_.at("end")) clock.length = step_length_; // the last steps before that end were shorter
   read_sums(clock);
   scene_->read(*from_, clock, driver);
+  std::optional<CrackNotes> cracks = scene_->read_cracks(*from_);
+  if (cracks && recorder.cracks()) recorder.cracks()->take_notes(std::move(*cracks));
   from_.reset();
   recorder.take_notes(head_);
-  sound_ = head_;
+  sound_ = kept_now(recorder);
+  sound_.numbers = head_;
   next_look_ = clock.step;
   looked_step_ = clock.step;
   files_.progress.line(
@@ -160,11 +163,12 @@ void Checkpoints::write_sums(io::Hdf5File& file, const solve::TimeDriver& driver
   file.dataset("/rank_sums", std::span<const double>(mine), 3);
 }
 
-Checkpoints::Numbers Checkpoints::numbers_now(const TimeRecorder& recorder) const
+Checkpoints::Kept Checkpoints::kept_now(const TimeRecorder& recorder) const
 {
-  Numbers numbers = recorder.notes();
-  numbers["fields"] = files_.fields ? files_.fields->steps() : 0;
-  return numbers;
+  Kept kept{recorder.notes(), std::nullopt};
+  kept.numbers["fields"] = files_.fields ? files_.fields->steps() : 0;
+  if (recorder.cracks()) kept.cracks = recorder.cracks()->notes();
+  return kept;
 }
 
 /// Ranks agree on what signals say and on whether it is time: every few steps, more often where steps are long.
@@ -185,12 +189,12 @@ void Checkpoints::look_around(const solve::TimeDriver& driver)
 Verdict Checkpoints::after_step(const solve::TimeDriver& driver, const TimeRecorder& recorder)
 {
   const int step = driver.step();
-  if (driver.good_step() == step) sound_ = numbers_now(recorder);
+  if (asked() && driver.good_step() == step) sound_ = kept_now(recorder);
   if (step >= driver.expected_steps()) return Verdict::go_on; // `finish` does it
   due_ = {};
   if (step >= next_look_) look_around(driver);
   const bool due = due_.signal || due_.write || (options_.interval > 0 && step % options_.interval == 0);
-  if (due) write(driver, numbers_now(recorder));
+  if (due) write(driver, kept_now(recorder));
   if (!due_.signal) return Verdict::go_on;
   const std::string file = (std::filesystem::path(files_.options.output.directory) / kFile).string();
   stopped_ = fmt::format("stopped by {} at step {}, time {:.6g} s: checkpoint written to {}; go on with -restart {}",
@@ -200,18 +204,19 @@ Verdict Checkpoints::after_step(const solve::TimeDriver& driver, const TimeRecor
 
 void Checkpoints::finish(const solve::TimeDriver& driver, const TimeRecorder& recorder)
 {
-  if (asked()) write(driver, numbers_now(recorder));
+  if (asked()) write(driver, kept_now(recorder));
 }
 
 void Checkpoints::failed(const solve::TimeDriver& driver)
 {
-  if (asked() && scene_ && !sound_.empty()) write(driver, sound_);
+  if (asked() && scene_ && !sound_.numbers.empty()) write(driver, sound_);
 }
 
-void Checkpoints::write(const solve::TimeDriver& driver, Numbers numbers)
+void Checkpoints::write(const solve::TimeDriver& driver, Kept kept)
 {
   static Event event("io_checkpoint");
   const Timed timed(event);
+  Numbers& numbers = kept.numbers;
   for (const auto& [name, value] : numbers_of(driver.clock())) numbers[name] = value;
   numbers["end"] = driver.end_time();
   numbers["step_length"] = step_length_;
@@ -222,6 +227,7 @@ void Checkpoints::write(const solve::TimeDriver& driver, Numbers numbers)
   write_numbers(file, numbers, rank_in(files_.comm()) == 0);
   write_sums(file, driver);
   scene_->write(file, driver);
+  if (kept.cracks) scene_->write_cracks(file, *kept.cracks);
   file.close();
   io::rename_durably(files_.comm(), part, path);
   written_ = MPI_Wtime();

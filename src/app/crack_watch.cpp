@@ -111,6 +111,18 @@ void CrackWatch::look_at_layer(double time)
   tracker_.look(time, layer, damage);
 }
 
+std::optional<CrackNotes> CrackWatch::notes() const
+{
+  if (broken_ < 0) return std::nullopt;
+  return CrackNotes{broken_, tracker_.state()};
+}
+
+void CrackWatch::take_notes(CrackNotes notes)
+{
+  broken_ = notes.bonds_broken;
+  tracker_.resume(std::move(notes.tracker));
+}
+
 void CrackWatch::write_results(nlohmann::ordered_json& results) const
 {
   const std::span<const crack::Tip> given = files_.scene.model->cracks.tips();

@@ -4,12 +4,14 @@
 #include "pdx/base/gather.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 namespace pdx::app {
 namespace {
-constexpr int kFormat = 1; // of the tables
+constexpr int kFormat = 2;                           // of the tables
+constexpr const char* kArrivals = "/crack_arrivals"; // patch, site, time [s], look
 
 /// An enriched set by what does not depend on the number of ranks.
 struct SetName {
@@ -193,5 +195,58 @@ void SceneState::read(const io::Hdf5Reader& file, const solve::TimeDriver::Clock
   std::vector<double> held;
   for (const Index c : model_.system.prescribed.components) held.push_back(force[static_cast<std::size_t>(c)]);
   driver.resume(clock, {u, v, a, held});
+}
+
+/// Whether a CrackWatch looks at owned particle k: in a solid only at those of the middle layer.
+bool SceneState::is_watched(std::size_t k) const
+{
+  if (!scene_.solid) return true;
+  const geom::Lattice<3>& lattice = scene_.solid->bonds->parts()[0]->lattice();
+  return lattice.site(scene_.solid->particles[k].site)[2] == lattice.count[2] / 2;
+}
+
+void SceneState::write_cracks(io::Hdf5File& file, const CrackNotes& notes) const
+{
+  const post::CrackTracker::State& tracker = notes.tracker;
+  int rank = 0;
+  MPI_Comm_rank(model_.system.rows.comm, &rank);
+  std::vector<double> table;
+  auto arrival = tracker.arrivals.begin();
+  for (std::size_t look = 0; look < tracker.per_look.size() && rank == 0; ++look)
+    for (int k = 0; k < tracker.per_look[look]; ++k, ++arrival)
+      for (const double entry : {static_cast<double>(arrival->patch), static_cast<double>(arrival->site), arrival->time,
+                                 static_cast<double>(look)})
+        table.push_back(entry);
+  file.dataset(kArrivals, std::span<const double>(table), 4);
+  file.attribute(kArrivals, "time", tracker.time);
+  file.attribute(kArrivals, "largest_speed", tracker.largest_speed);
+  file.attribute(kArrivals, "bonds_broken", static_cast<double>(notes.bonds_broken));
+  std::vector<double> damage(particles().size(), 0.0);
+  auto watched = tracker.damage.begin();
+  for (std::size_t k = 0; k < damage.size(); ++k)
+    if (is_watched(k)) damage[k] = *watched++;
+  const std::vector<double> block = particles_->to_table(damage, 1);
+  file.dataset("/crack_damage", std::span<const double>(block), 1);
+}
+
+std::optional<CrackNotes> SceneState::read_cracks(const io::Hdf5Reader& file) const
+{
+  if (!file.has(kArrivals)) return std::nullopt;
+  CrackNotes notes{std::llround(file.real(kArrivals, "bonds_broken")), {}};
+  notes.tracker.time = file.real(kArrivals, "time");
+  notes.tracker.largest_speed = file.real(kArrivals, "largest_speed");
+  std::vector<double> table(4 * static_cast<std::size_t>(file.shape(kArrivals)[0]));
+  file.read(kArrivals, 0, 4, std::span<double>(table));
+  for (std::size_t k = 0; k < table.size(); k += 4) {
+    notes.tracker.arrivals.push_back({static_cast<Index>(table[k]), static_cast<Index>(table[k + 1]), table[k + 2]});
+    notes.tracker.per_look.resize(static_cast<std::size_t>(table[k + 3]) + 1);
+    ++notes.tracker.per_look.back();
+  }
+  std::vector<double> block(static_cast<std::size_t>(particles_->rows()));
+  file.read("/crack_damage", particles_->first(), 1, std::span<double>(block));
+  const std::vector<double> damage = particles_->from_table(block, 1);
+  for (std::size_t k = 0; k < damage.size(); ++k)
+    if (is_watched(k)) notes.tracker.damage.push_back(damage[k]);
+  return notes;
 }
 } // namespace pdx::app

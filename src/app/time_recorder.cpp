@@ -35,7 +35,7 @@ void TimeRecorder::started(const solve::TimeDriver& driver, const StepLimits& li
   files_.progress.line(fmt::format(
       "{} steps of {:.4g} s; stable limit {:.4g} s{}", driver.expected_steps(), driver.step_length(), limits.rigorous,
       limits.papers > 0.0 ? fmt::format(", the papers' Eq. 26 {:.4g} s", limits.papers) : ""));
-  if (cracks_) cracks_->look(driver.time(), 0);
+  if (cracks_ && !cracks_->looked()) cracks_->look(driver.time(), 0);
   begin_ = MPI_Wtime();
 }
 

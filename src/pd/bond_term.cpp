@@ -188,6 +188,7 @@ template <int Dim> std::int64_t BondTerm<Dim>::cut(const crack::CrackSet& cracks
 template <int Dim> void BondTerm<Dim>::protect(std::span<const geom::Box<2>> boxes)
 {
   for (const auto& part : parts_) part->protect(boxes);
+  take_over_words();
 }
 
 template <int Dim> const typename BondTerm<Dim>::Windows& BondTerm<Dim>::load(std::span<const double> u) const

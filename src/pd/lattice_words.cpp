@@ -75,7 +75,11 @@ void LatticePart<Dim>::for_each_loss(const Words& before, const Words& after, Vi
 template <int Dim> void LatticePart<Dim>::note_loss(std::ptrdiff_t i, std::size_t h)
 {
   for (const std::ptrdiff_t end : {i, i + arms_[h].jump})
-    if (end < window_size_) traits_[static_cast<std::size_t>(end)] |= kLost;
+    if (end < window_size_) {
+      traits_[static_cast<std::size_t>(end)] |= kLost;
+      if (!now_volume_.empty()) thinned_.push_back(end);
+    }
+  if (thinned_.size() > sites_.size()) forget_volume();
   runs_stale_ = true;
 }
 
@@ -206,6 +210,7 @@ template <int Dim> void LatticePart<Dim>::restore()
 {
   words_ = saved_.words;
   traits_ = saved_.traits;
+  forget_volume();
   runs_stale_ = true;
 }
 
@@ -276,16 +281,37 @@ template <int Dim> void LatticePart<Dim>::weak_rows(std::vector<Index>& rows) co
     }
 }
 
-template <int Dim> std::vector<double> LatticePart<Dim>::bonded_volume_now() const
+/// Particles that lost bonds since the last call are summed anew, by the same arithmetic as all are at first.
+template <int Dim> const std::vector<double>& LatticePart<Dim>::bonded_volume_now() const
 {
-  std::vector<double> sum(sites_.size(), 0.0);
-  std::vector<Run> runs = segments_;
-  for (Run& run : runs) run.row -= first_row_;
+  std::vector<Run> runs;
+  if (now_volume_.empty()) {
+    now_volume_.assign(sites_.size(), 0.0);
+    runs = segments_;
+  } else {
+    std::ranges::sort(thinned_);
+    const auto twice = std::ranges::unique(thinned_);
+    thinned_.erase(twice.begin(), twice.end());
+    for (const std::ptrdiff_t i : thinned_)
+      if (traits_[static_cast<std::size_t>(i)] & kOwned)
+        runs.push_back({i, local_rows_[static_cast<std::size_t>(i)], 1, RunKind::partial});
+  }
+  thinned_.clear();
+  for (Run& run : runs) {
+    run.row -= first_row_;
+    std::fill_n(now_volume_.begin() + run.row, run.length, 0.0);
+  }
   BondView<Dim> view{};
   view.words = {words_[0].data(), words_[1].data()};
   view.arms = arms_;
-  pd::add_bonded_volume<Dim>(view, stencil_, runs, sum.data());
-  return sum;
+  pd::add_bonded_volume<Dim>(view, stencil_, runs, now_volume_.data());
+  return now_volume_;
+}
+
+template <int Dim> void LatticePart<Dim>::forget_volume() const
+{
+  now_volume_.clear();
+  thinned_.clear();
 }
 
 template <int Dim> void LatticePart<Dim>::remember_volume()
@@ -295,7 +321,7 @@ template <int Dim> void LatticePart<Dim>::remember_volume()
 
 template <int Dim> void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolume> volumes) const
 {
-  const std::vector<double> now = bonded_volume_now();
+  const std::vector<double>& now = bonded_volume_now();
   const bool changed = !whole_volume_.empty();
   for (std::size_t k = 0; k < now.size(); ++k) {
     BondedVolume& volume = volumes[static_cast<std::size_t>(first_row_) + k];

@@ -146,6 +146,7 @@ template <int Dim> void StripPart<Dim>::lay_shares()
 template <int Dim> void StripPart<Dim>::take_over_words()
 {
   const BondView<Dim> from = part_.view({});
+  for (std::size_t p = 0; part_.protects_any() && 64 * p < arms_.size(); ++p) breakable_[p].resize(vectors_ * lanes_);
   std::ptrdiff_t sites = vectors_ ? part_.extent()[0] : 0;
   for (std::size_t d = 1; d < Dim; ++d) sites *= extent_[d];
   std::vector<std::uint8_t> owned(static_cast<std::size_t>(sites), 0);
@@ -160,6 +161,10 @@ template <int Dim> void StripPart<Dim>::take_over_words()
         if (const std::ptrdiff_t j = at + from.arms[h].jump; j >= sites || !owned[static_cast<std::size_t>(j)])
           word &= ~arms_[h].bit;
       words_[p].data()[s.vector * lanes_ + s.lane] = word;
+      if (!part_.protects_any()) continue;
+      for (std::size_t h = 64 * p; h < std::min(64 * p + 64, arms_.size()); ++h)
+        if ((word & arms_[h].bit) && part_.protects(at, h)) word &= ~arms_[h].bit;
+      breakable_[p].data()[s.vector * lanes_ + s.lane] = word;
     }
   }
   shrink_boxes();

@@ -165,7 +165,8 @@ template <int Dim> void StripPart<Dim>::prepare(Index slab)
 }
 
 /// Each tile begins with the series of its last step. Where that turns out to be another than its bonds need, all that
-/// reaches the slab is added up again: forces depend on the state alone, to the last bit, and not on how it was reached.
+/// reaches the slab is added up again: forces depend on the state alone, to the last bit, and not on how it was
+/// reached.
 template <int Dim> void StripPart<Dim>::sweep_slab(Index slab, bool energetic)
 {
   sweep_strips<Dim>(processor_, view_, kinematics_, tasks_of(slab), energetic);
@@ -203,17 +204,20 @@ template <int Dim> bool StripPart<Dim>::overstretched_seen() const
 template <int Dim> Broken StripPart<Dim>::break_bonds(field::ForceLosses* losses)
 {
   found_.clear();
+  StripView<Dim> breakable = view_;
+  if (part_.protects_any()) breakable.words = {breakable_[0].data(), breakable_[1].data()};
   for (StripTask& task : tasks_) {
     if (!(task.highest > threshold_)) continue;
-    find_overstretched<Dim>(processor_, view_, task.box, kinematics_, critical_stretch_, found_);
+    find_overstretched<Dim>(processor_, breakable, task.box, kinematics_, critical_stretch_, found_);
     task.highest = 0.0;
   }
   std::vector<LostBond<Dim>> lost;
   for (const StripBond& bond : found_) {
     const std::ptrdiff_t line = bond.vector / pitch_, column = bond.vector % pitch_ - stencil_reach_;
     const std::ptrdiff_t site = line * part_.extent()[0] + bond.lane * columns_ + column;
-    if (part_.protects(site, bond.arm)) continue;
-    words_[bond.arm / 64].data()[bond.vector * lanes_ + bond.lane] &= ~arms_[bond.arm].bit;
+    for (auto* words : {&words_, &breakable_})
+      if (std::uint64_t* const first = (*words)[bond.arm / 64].data())
+        first[bond.vector * lanes_ + bond.lane] &= ~arms_[bond.arm].bit;
     const double* u = blocks_.data() + bond.vector * StripView<Dim>::kParts * lanes_ + bond.lane;
     Vector<Dim> eta;
     for (int d = 0; d < Dim; ++d) eta[d] = u[arms_[bond.arm].jump + d * lanes_] - u[d * lanes_];

@@ -59,6 +59,7 @@ void CrackTracker::resume(State state)
     next += count;
   }
   tips_ = tree_.tips();
+  judge(time_);
 }
 
 void CrackTracker::judge(double time)

@@ -64,11 +64,15 @@ class Run:
         return sorted(path.name for path in self.directory.iterdir())
 
     def history(self):
-        """The rows of history.csv, by column name without its unit."""
-        with open(self.directory / "history.csv", newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-        names = [name.split(" ")[0] for name in rows[0]]
-        return [dict(zip(names, map(float, row))) for row in rows[1:]]
+        return rows_of(self.directory / "history.csv")
+
+
+def rows_of(path):
+    """The rows of a curve, by column name without its unit."""
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    names = [name.split(" ")[0] for name in rows[0]]
+    return [dict(zip(names, map(float, row))) for row in rows[1:]]
 
 
 def words_of(options):

@@ -23,12 +23,17 @@ public:
 private:
   using Numbers = std::map<std::string, double>;
   bool asked() const { return options_.interval > 0 || options_.seconds > 0.0; }
-  Numbers numbers_now(const TimeRecorder& recorder) const;
+  /// What recorders know, at one step.
+  struct Kept {
+    Numbers numbers;
+    std::optional<CrackNotes> cracks;
+  };
+  Kept kept_now(const TimeRecorder& recorder) const;
   void look_around(const solve::TimeDriver& driver);
   void read_head();
   void refuse_other_scene() const;
   void read_sums(solve::TimeDriver::Clock& clock) const;
-  void write(const solve::TimeDriver& driver, Numbers numbers);
+  void write(const solve::TimeDriver& driver, Kept kept);
   void write_sums(io::Hdf5File& file, const solve::TimeDriver& driver) const;
 
   RunFiles& files_;
@@ -37,7 +42,8 @@ private:
   std::unique_ptr<io::Hdf5Reader> from_; // until the state is taken over
   std::unique_ptr<SceneState> scene_;
   couple::BondBreaker* breaker_ = nullptr;
-  Numbers head_, sound_; // of -restart; noted where the driver can go back to
+  Numbers head_; // of -restart
+  Kept sound_;   // where the driver can go back to
   std::string stopped_;
   double step_length_ = 0.0; // that the run began with [s]
   int next_look_ = 0, looked_step_ = 0;

@@ -3,6 +3,12 @@
 #include "pdx/post/crack_tracker.hpp"
 
 namespace pdx::app {
+/// All that a CrackWatch goes on from.
+struct CrackNotes {
+  std::int64_t bonds_broken = 0; ///< at the last look
+  post::CrackTracker::State tracker;
+};
+
 /// The cracks of a scene in time, those of a solid as its middle layer shows them: columns of history.csv, results, and
 /// crack_path.csv. All methods but `columns` and `row` are collective.
 class CrackWatch {
@@ -15,7 +21,9 @@ public:
 
   /// @param bonds_broken of all ranks: damage is looked at only where it changed
   void look(double time, std::int64_t bonds_broken);
-  post::CrackTracker& tracker() { return tracker_; } ///< for checkpoints
+  bool looked() const { return broken_ >= 0; }
+  std::optional<CrackNotes> notes() const; ///< none before the first look
+  void take_notes(CrackNotes notes);       ///< instead of the first look
   void write_results(nlohmann::ordered_json& results) const;
   void write_paths() const;
 
@@ -25,7 +33,7 @@ private:
 
   const RunFiles& files_;
   post::CrackTracker tracker_;
-  double given_ = 0.0; ///< length of the cracks at the start [m]
-  std::int64_t broken_ = -1;
+  double given_ = 0.0;       ///< length of the cracks at the start [m]
+  std::int64_t broken_ = -1; // at the last look; -1 before the first
 };
 } // namespace pdx::app

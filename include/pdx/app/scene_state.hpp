@@ -1,5 +1,5 @@
 #pragma once
-#include "pdx/app/run_files.hpp"
+#include "pdx/app/crack_watch.hpp"
 #include "pdx/io/hdf5_reader.hpp"
 #include "pdx/io/natural_order.hpp"
 #include "pdx/solve/time_driver.hpp"
@@ -18,9 +18,13 @@ public:
   void write(io::Hdf5File& file, const solve::TimeDriver& driver) const;
   /// Breaks the bonds that are broken there and gives the state to the driver. Collective.
   void read(const io::Hdf5Reader& file, const solve::TimeDriver::Clock& clock, solve::TimeDriver& driver) const;
+  /// What was seen of the cracks, likewise. Collective.
+  void write_cracks(io::Hdf5File& file, const CrackNotes& notes) const;
+  std::optional<CrackNotes> read_cracks(const io::Hdf5Reader& file) const; ///< none if there is nothing
 
 private:
   void number_rows();
+  bool is_watched(std::size_t k) const;
   void describe(const SceneOptions& options);
   PetscInt particle_number(Index patch, Index site) const;
   std::vector<double> read_rows(const io::Hdf5Reader& file, const std::string& name) const;

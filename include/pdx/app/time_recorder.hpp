@@ -32,7 +32,8 @@ public:
   using Notes = std::map<std::string, double>;
   Notes notes() const { return {{"largest_energy", largest_energy_}, {"largest_residual", largest_residual_}}; }
   void take_notes(const Notes& notes);
-  void finish(const solve::TimeDriver& driver);                              ///< results of the end
+  CrackWatch* cracks() const { return cracks_.get(); } ///< null where no crack can grow from a given tip
+  void finish(const solve::TimeDriver& driver);        ///< results of the end
   void interrupted(const solve::TimeDriver& driver, const std::string& why); ///< a signal came; no failure
   void stopped_at(const solve::TimeDriver& driver); ///< the solver gave up: what the last sound state holds
 

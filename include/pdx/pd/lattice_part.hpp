@@ -87,6 +87,7 @@ public:
   /// Takes out bonds that another layout of the same part found overstretched, in time that grows with their number.
   /// @param losses if not null, their forces on owned rows are appended
   Broken lose(std::span<const LostBond<Dim>> lost, Kinematics kinematics, field::ForceLosses* losses = nullptr);
+  bool protects_any() const { return !no_fail_.empty(); }
   /// True if `protect` keeps the bond along half arm `arm` of the site with window index `at`.
   bool protects(std::ptrdiff_t at, std::size_t arm) const
   {
@@ -144,7 +145,8 @@ private:
   double stretch(const Window& loaded, std::ptrdiff_t i, std::size_t h, Kinematics kinematics) const;
   double stretch(const Vector<Dim>& eta, std::size_t h, Kinematics kinematics) const;
   double energy_of(std::ptrdiff_t i, std::size_t h, double stretch) const;
-  std::vector<double> bonded_volume_now() const;
+  const std::vector<double>& bonded_volume_now() const;
+  void forget_volume() const;
   void remember_volume();
 
   field::Rows rows_;
@@ -166,6 +168,8 @@ private:
     std::vector<std::uint8_t> traits;
   } saved_;
   std::vector<double> whole_volume_, start_volume_; // per owned particle; empty until bonds change [m^3]
+  mutable std::vector<double> now_volume_;          // likewise, but of particles that lost bonds since; empty: unknown
+  mutable std::vector<std::ptrdiff_t> thinned_;     // window indices of those, where now_volume_ is known
   std::vector<double> share_;
   bool corrected_ = false;        // alike on every rank, also on those without particles
   std::vector<Index> local_rows_; // per window site: local row or -1

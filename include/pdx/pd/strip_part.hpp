@@ -108,6 +108,7 @@ private:
   std::vector<StripArm<Dim>> arms_;
   Aligned<double> blocks_, share_, ends_;
   std::array<Aligned<std::uint64_t>, 2> words_;
+  std::array<Aligned<std::uint64_t>, 2> breakable_; // words_ without protected bonds; empty if none is
   StripView<Dim> view_;
   std::vector<Piece> pieces_;
   std::vector<HaloSite> halo_;

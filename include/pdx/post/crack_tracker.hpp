@@ -41,7 +41,8 @@ public:
     std::vector<double> damage;    ///< of the owned particles at the last look; empty: the next look begins anew
   };
   State state() const;
-  /// For a tracker that has not looked yet; `now` is known after the next look. Alike on every rank but for the damage.
+  /// For a tracker that has not looked yet; `now().speed` is known after the next look. Alike on every rank but for the
+  /// damage.
   void resume(State state);
 
   const CrackNow& now() const { return now_; }
