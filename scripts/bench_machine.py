@@ -22,8 +22,9 @@ class Bench:
         self.executable, self.rounds, self.out = pathlib.Path(executable).resolve(), rounds, out
         self.results, self.lines = {}, []
 
-    def run(self, arguments, ranks=1, keep=None, may_fail=False):
-        """Runs a scene; returns its summary. `keep`: directory for its fields. `may_fail`: the run is cut short."""
+    def run(self, arguments, ranks=1, keep=None, may_fail=False, wall=False):
+        """Runs a scene; returns its summary. `keep`: directory for its fields. `may_fail`: the run is cut short. `wall`:
+        wall time also on one rank, to compare with several."""
         with tempfile.TemporaryDirectory() as scratch:
             directory = keep or scratch
             command = [str(self.executable), *arguments, "-quiet", "-output_dir", str(directory)]
@@ -37,7 +38,7 @@ class Bench:
             if done.returncode and not may_fail:
                 sys.exit(f"{' '.join(command)}\nfailed: {done.stderr}")
             summary = fields.read_summary(directory)
-            if ranks == 1:  # processor time: what other processes took of the core is not the solver's
+            if ranks == 1 and not wall:  # processor time: what other processes took of the core is not the solver's
                 busy = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
                 share = min(1.0, busy / elapsed)
                 summary["wall_seconds"] = {name: share * value for name, value in summary["wall_seconds"].items()}
