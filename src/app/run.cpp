@@ -5,6 +5,7 @@
 #include "pdx/app/output_blocks.hpp"
 #include "pdx/app/recorder.hpp"
 #include "pdx/app/run_in_time.hpp"
+#include "pdx/app/stop_signals.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/post/error_norm.hpp"
@@ -150,6 +151,8 @@ void run(MPI_Comm comm, double begin)
   const SceneOptions options = SceneOptions::read();
   refuse_reference_options(options);
   if (!options.time.dynamic()) (void)wants_assembled(options); // refuses before anything is built
+  std::optional<StopSignals> signals; // from the set-up on
+  if (options.time.analysis == Analysis::explicit_dynamics) signals.emplace();
   RunFiles files(comm, options, begin);
   try {
     if (options.solid)

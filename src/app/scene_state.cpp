@@ -54,6 +54,11 @@ std::string lines_of(const SceneOptions& options, const Standing& scene)
   for (std::size_t p = 0; scene.plan && p < scene.plan->shapes.size(); ++p)
     text += fmt::format("patch {} = ", p + 1) +
             line_of<2>(scene.plan->shapes[p].lattice, scene.plan->stencils[p].half.size());
+  text += fmt::format("bonds = micromodulus {}, calibration {}, surface correction {}\n",
+                      static_cast<int>(options.pd.micromodulus), static_cast<int>(options.pd.calibration),
+                      static_cast<int>(options.pd.surface_correction));
+  for (const geom::Box<2>& box : options.fracture.no_fail)
+    text += fmt::format("no-fail zone = {} {} {} {}\n", box.lower[0], box.lower[1], box.upper[0], box.upper[1]);
   for (std::size_t c = 0; c < options.cracks.lines.size(); ++c) {
     text += fmt::format("crack {} =", c + 1);
     for (const Vector<2>& x : options.cracks.lines[c]) text += fmt::format(" ({}, {})", x[0], x[1]);

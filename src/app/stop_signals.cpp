@@ -9,7 +9,6 @@ void note(int sig) { noted = sig; }
 
 StopSignals::StopSignals()
 {
-  noted = 0;
   struct sigaction action {};
   action.sa_handler = note;
   action.sa_flags = SA_RESTART;

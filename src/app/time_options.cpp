@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 namespace pdx::app {
@@ -59,6 +60,10 @@ TimeOptions TimeOptions::read()
   t.safety = o.real("-ts_safety", t.safety, "-", "explicit: share of the stable limit that a step takes without -ts_dt",
                     {0.0, 1.0, true});
   t.allow_unstable = o.boolean("-ts_allow_unstable", false, "explicit: let -ts_dt be above the stable limit");
+  (void)o.real("-ts_dt", std::numeric_limits<double>::quiet_NaN(), "s",
+               "length of a step; explicit: none for the limit's", Range::positive());
+  (void)o.real("-ts_max_time", std::numeric_limits<double>::quiet_NaN(), "s", "end of the run", Range::positive());
+  (void)o.integer("-ts_max_steps", std::numeric_limits<int>::max(), "most steps of the run", {1.0, 2147483647.0});
   t.checkpoint = CheckpointOptions::read();
   return t;
 }

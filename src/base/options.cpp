@@ -256,6 +256,17 @@ std::vector<std::string> Options::texts(const std::string& name, std::vector<std
   return value;
 }
 
+namespace {
+/// A name of PETSc's families that is all but one of ours of the same family.
+bool misspelt(std::string_view name)
+{
+  const std::string given = "-" + std::string(name);
+  return std::ranges::any_of(documents(), [&](const OptionDoc& doc) {
+    return doc.name.size() > 8 && doc.name.starts_with("-ts_") && edit_distance(given, doc.name) <= 2;
+  });
+}
+} // namespace
+
 const std::vector<OptionDoc>& documented_options() { return documents(); }
 
 std::string nearest_option(std::string_view name)
@@ -277,7 +288,7 @@ void refuse_unknown_options()
   PDX_CALL(PetscOptionsLeftGet(nullptr, &count, &names, &values));
   std::string unknown;
   for (PetscInt k = 0; k < count && unknown.empty(); ++k)
-    if (!petsc_family(names[k])) unknown = std::string("-") + names[k];
+    if (!petsc_family(names[k]) || misspelt(names[k])) unknown = std::string("-") + names[k];
   PDX_CALL(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
   if (unknown.empty()) return;
   const std::string nearest = nearest_option(unknown);

@@ -1,9 +1,12 @@
 #include "pdx/solve/central_difference.hpp"
 
+#include <cmath>
 #include <petsc/private/tsimpl.h>
 
 namespace pdx::solve {
 namespace {
+constexpr double kSameTime = 1e-6; // of a step
+
 struct CentralDifference {
   VecHandle acceleration;
   Motion motion;
@@ -49,7 +52,8 @@ PetscErrorCode step(TS ts)
       own.fresh = true;
     }
     if (dt != own.origin.length) own.origin = {ts->ptime, ts->steps, dt};
-    const double end = own.origin.time + (ts->steps - own.origin.step + 1) * dt;
+    double end = own.origin.time + (ts->steps - own.origin.step + 1) * dt;
+    if (std::abs(end - ts->max_time) < kSameTime * dt) end = ts->max_time; // no step for a rounding
     PDX_CALL(TSPreStage(ts, ts->ptime));
     advance<true>(ts, dt, end);
     PDX_CALL(TSComputeRHSFunction(ts, end, ts->vec_sol, own.acceleration.get()));

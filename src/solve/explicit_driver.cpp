@@ -6,11 +6,12 @@
 #include <fmt/format.h>
 
 namespace pdx::solve {
-ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& options) : TimeDriver(system)
+ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& options)
+    : TimeDriver(system), options_(options)
 {
   register_central_difference();
   make_ts(kCentralDifference);
-  choose_step(options);
+  choose_step();
   PDX_CALL(TSSetRHSFunction(
       ts_.get(), nullptr,
       [](TS, PetscReal time, Vec, Vec a, void* self) {
@@ -28,21 +29,27 @@ ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& opt
   PDX_CALL(TSSetUp(ts_.get()));
 }
 
-void ExplicitDriver::choose_step(const ExplicitOptions& options) const
+void ExplicitDriver::choose_step() const
 {
   double length = given_step();
   PetscReal end = 0.0;
   PDX_CALL(TSGetMaxTime(ts_.get(), &end));
   if (length == 0.0) {
-    length = options.safety * options.limit;
+    length = options_.safety * options_.limit;
     if (!std::isfinite(length)) throw UserError("-ts_dt is missing: nothing in this scene limits the step");
     if (end < PETSC_MAX_REAL) length = end / std::ceil(end / length * (1.0 - 1e-12));
-  } else if (length > options.limit && !options.allow_unstable)
-    throw UserError(
-        fmt::format("-ts_dt is {:g}: above the stable limit of this scene, {:.6g} s; give at most {:.3g}, or none, or "
-                    "-ts_allow_unstable to go on",
-                    length, options.limit, options.safety * options.limit));
+  } else
+    judge_step(length);
   set_step(length);
+}
+
+void ExplicitDriver::judge_step(double length) const
+{
+  if (length <= options_.limit || options_.allow_unstable) return;
+  throw UserError(
+      fmt::format("-ts_dt is {:g}: above the stable limit of this scene, {:.6g} s; give at most {:.3g}, or none, or "
+                  "-ts_allow_unstable to go on",
+                  length, options_.limit, options_.safety * options_.limit));
 }
 
 void ExplicitDriver::evaluate(double time, std::span<double> a)

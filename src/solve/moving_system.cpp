@@ -59,7 +59,9 @@ void MovingSystem::load_at(double time)
 {
   for (Load& load : loads_) {
     const double now = factor(*load.drive, time);
-    for (std::size_t k = 0; k < load.force.size(); ++k) load.force[k] = now * load.drive->values[k];
+    for (std::size_t k = 0; k < load.force.size(); ++k) // what loads a held component is its holder's
+      load.force[k] =
+          system.held[static_cast<std::size_t>(load.drive->components[k])] ? 0.0 : now * load.drive->values[k];
   }
 }
 
@@ -68,6 +70,15 @@ void MovingSystem::resume(double time, double work, std::span<const double> held
   work_ = work;
   std::ranges::copy(held, held_.begin());
   load_at(time);
+}
+
+double MovingSystem::stored_energy() const
+{
+  double sum = 0.0;
+  for (const auto& term : system.terms) sum += term->energy(u);
+  for (const auto& change : system.after_step) sum += change->dissipated();
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, system.rows.comm);
+  return sum;
 }
 
 void MovingSystem::accelerate(std::span<double> f) const

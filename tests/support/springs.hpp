@@ -36,7 +36,13 @@ public:
       for (std::size_t a = 0; a < 2; ++a) r[static_cast<std::size_t>(2 * s.row) + a] += force * s.along[a];
     }
   }
-  double energy(std::span<const double>) const override { return 0.0; }
+  double energy(std::span<const double> u) const override
+  {
+    double sum = 0.0;
+    for (const Spring& s : springs_)
+      if (!s.broken) sum += 0.5 * s.stiffness * s.stretch(u) * s.stretch(u);
+    return sum;
+  }
   void couplings(field::Couplings&, bool) const override {}
   void add_jacobian(field::BlockAdder& adder, bool) const override
   {

@@ -8,6 +8,7 @@ class BondBreaker : public field::AfterStep {
 public:
   const pd::Broken& mine() const { return now_; } ///< since the start, what this rank counts
   void resume(const pd::Broken& mine) { now_ = saved_ = mine; }
+  double dissipated() const override { return now_.energy; }
 
 protected:
   pd::Broken now_, saved_;

@@ -20,11 +20,14 @@ public:
   KineticEnergy kinetic_energy() const override { return moving_.kinetic_energy(acceleration(), step_length()); }
 
 private:
-  void choose_step(const ExplicitOptions& options) const;
+  void choose_step() const;
+  void judge_step(double length) const override;
   void evaluate(double time, std::span<double> a);
   StepOrigin origin() const override { return step_origin(ts_.get()); }
   void set_acceleration(const StepOrigin& origin, std::span<const double> a) override;
   void start(std::span<double> a) override;
   void let_go(const field::ForceLosses& losses) override;
+
+  ExplicitOptions options_;
 };
 } // namespace pdx::solve

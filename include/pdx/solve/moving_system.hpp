@@ -48,6 +48,8 @@ public:
 
   /// @param a owned [m/s^2]   @param step length [s]   Collective.
   KineticEnergy kinetic_energy(std::span<const double> a, double step) const;
+  /// Strain energy, and what broken bonds have taken, of all ranks; the halo of u must be fresh. Collective. [J]
+  double stored_energy() const;
   /// Internal force on `system.prescribed.components`, in that order, at the last `unbalanced` [N].
   std::span<const double> held_force() const { return held_; }
   /// The place of the fastest row, of all ranks [m]. Collective.

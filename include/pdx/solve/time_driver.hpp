@@ -67,6 +67,7 @@ protected:
   virtual void set_acceleration(const StepOrigin& origin, std::span<const double> a) = 0;
   /// The acceleration at the start.
   virtual void start(std::span<double> a) = 0;
+  virtual void judge_step(double length) const { (void)length; } ///< throws UserError for one that is too long
   /// Takes internal forces that are no longer there out of the acceleration: the step that ended felt them, the next
   /// one does not.
   virtual void let_go(const field::ForceLosses& losses) = 0;
@@ -79,11 +80,12 @@ protected:
 private:
   void after_step();
   bool sound();
+  void refuse_spent_run() const;
   void keep();
   void go_back();
   void set_state(const Clock& clock, const State& state);
 
-  double energy_bound_ = 0.0;
+  double energy_bound_ = 0.0, start_bound_ = 0.0;
   bool resumed_ = false;
   AfterEach after_each_;
   field::ForceLosses losses_;

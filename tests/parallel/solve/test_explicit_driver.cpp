@@ -54,6 +54,19 @@ TEST(ExplicitDriver, EndsExactlyAndAtTheLastStep)
   EXPECT_NEAR(driver.time(), 7.3, 1e-14);
 }
 
+TEST(ExplicitDriver, TakesNoStepForARounding)
+{
+  for (int k = 1; k <= 40; ++k) {
+    const std::string end = std::to_string(0.1 * k);
+    Oscillators o(Oscillators::Given{{"-ts_dt", "0.1"}, {"-ts_max_time", end}});
+    o.system().initial_velocity = {1.0, 0.0};
+    solve::ExplicitDriver driver(o.system(), kOptions);
+    driver.run(go_on);
+    EXPECT_EQ(driver.step(), k) << end;
+    EXPECT_EQ(driver.time(), std::stod(end));
+  }
+}
+
 TEST(ExplicitDriver, KeepsTheEnergyItsSchemeConserves)
 {
   Oscillators o(Oscillators::Given{{"-ts_dt", "0.5"}, {"-ts_max_steps", "200"}});
@@ -82,6 +95,18 @@ TEST(ExplicitDriver, BooksTheWorkOfLoads)
   const double total = kinetic.moving + o.stored(driver);
   EXPECT_GT(total, 0.1);
   EXPECT_NEAR(total - kinetic.scheme, o.work(driver), 1e-12 * total);
+}
+
+TEST(ExplicitDriver, BooksASuddenLoadToRoundingAndNoneOfWhatItsHolderCarries)
+{
+  Oscillators o(Oscillators::Given{{"-ts_dt", "0.5"}, {"-ts_max_time", "9"}});
+  hold(o.system(), Drive::Kind::displacement, field::History(), 0.0);
+  o.system().drives.push_back({Drive::Kind::force, field::History(), {0, 1}, {50.0, -2.0}});
+  solve::ExplicitDriver driver(o.system(), kOptions);
+  driver.run(go_on);
+  const solve::KineticEnergy kinetic = driver.kinetic_energy();
+  const double total = kinetic.moving + o.stored(driver);
+  EXPECT_NEAR(total - kinetic.scheme, o.work(driver) + driver.clock().initial, 1e-12 * total);
 }
 
 TEST(ExplicitDriver, BooksTheWorkOfPrescribedMotion)
