@@ -85,6 +85,16 @@ class Check(case_check.Check):
         drift = results["energy_drift_ratio"]
         self.expect(drift < 0.02, f"energies add up to {drift:.1e} of the work")
 
+    def medium(self):
+        """At dx = 0.25 mm it branches when and where it should; the finest run is 0.2 us and 0.6 mm off."""
+        run = self.run("medium", 2, ["-ts_max_time", "30e-6"], "medium")
+        if not run:
+            return
+        results = fields.read_summary(run[0])["results"]
+        time, x = 1e6 * results.get("branch_time", 0.0), 1e3 * results.get("branch_point", [0.0])[0]
+        self.expect(20.0 < time < 21.5, f"branches at {time:.2f} us")
+        self.expect(66.5 < x < 68.5, f"at x = {x:.2f} mm")
+
 
 if __name__ == "__main__":
-    sys.exit(case_check.main(__doc__, Check, ("ranks", "branch"), "PART"))
+    sys.exit(case_check.main(__doc__, Check, ("ranks", "branch", "medium"), "PART"))
