@@ -151,7 +151,7 @@ void run(MPI_Comm comm, double begin)
   const SceneOptions options = SceneOptions::read();
   refuse_reference_options(options);
   if (!options.time.dynamic()) (void)wants_assembled(options); // refuses before anything is built
-  std::optional<StopSignals> signals; // from the set-up on
+  std::optional<StopSignals> signals;                          // from the set-up on
   if (options.time.analysis == Analysis::explicit_dynamics) signals.emplace();
   RunFiles files(comm, options, begin);
   try {
