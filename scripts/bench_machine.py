@@ -72,6 +72,6 @@ class Bench:
         axes.set(xlabel=x_label, ylabel=y_label)
         axes.grid(True, which="major", linewidth=0.3)
         axes.spines[["top", "right"]].set_visible(False)
-        axes.legend(frameon=False, fontsize=9)
+        axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.05, 1.0), ncols=2)
         figure.savefig(self.out / name, dpi=200, bbox_inches="tight")
         plt.close(figure)
