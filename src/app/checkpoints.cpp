@@ -39,7 +39,8 @@ std::map<std::string, double> numbers_of(const solve::TimeDriver::Clock& clock)
           {"origin_step", clock.origin.step},
           {"origin_length", clock.origin.length},
           {"energy_bound", clock.energy_bound},
-          {"initial_energy", clock.initial}};
+          {"initial_energy", clock.initial},
+          {"start_bound", clock.start_bound}};
 }
 
 solve::TimeDriver::Clock clock_of(const std::map<std::string, double>& n)
@@ -51,7 +52,8 @@ solve::TimeDriver::Clock clock_of(const std::map<std::string, double>& n)
           {n.at("origin_time"), whole("origin_step"), n.at("origin_length")},
           0.0,
           n.at("energy_bound"),
-          n.at("initial_energy")};
+          n.at("initial_energy"),
+          n.at("start_bound")};
 }
 
 /// Named numbers: a table of one column whose names are its attribute.

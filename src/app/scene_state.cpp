@@ -10,7 +10,7 @@
 
 namespace pdx::app {
 namespace {
-constexpr int kFormat = 2;                           // of the tables
+constexpr int kFormat = 3;                           // of the tables
 constexpr const char* kArrivals = "/crack_arrivals"; // patch, site, time [s], look
 
 /// An enriched set by what does not depend on the number of ranks.

@@ -138,11 +138,12 @@ void TimeDriver::set_state(const Clock& clock, const State& state)
   if (clock.length > 0.0) set_step(clock.length);
   moving_.resume(clock.time, clock.work, state.held);
   energy_bound_ = clock.energy_bound;
+  start_bound_ = clock.start_bound;
 }
 
 TimeDriver::Clock TimeDriver::clock() const
 {
-  return {time(), step(), step_length(), origin(), moving_.work(), energy_bound_, good_.clock.initial};
+  return {time(), step(), step_length(), origin(), moving_.work(), energy_bound_, good_.clock.initial, start_bound_};
 }
 
 void TimeDriver::resume(const Clock& clock, const State& state)
@@ -164,10 +165,8 @@ void TimeDriver::run(const AfterEach& after_each)
     const double stored = moving_.stored_energy();
     good_.clock.initial = energy.moving - energy.scheme + stored;
     energy_bound_ = start_bound_ = energy.moving + energy.scheme + stored;
-  } else {
-    start_bound_ = energy_bound_;
+  } else
     refuse_spent_run();
-  }
   moving_.note();
   keep();
   PDX_CALL(TSSolve(ts_.get(), displacement_.get()));

@@ -44,6 +44,7 @@ public:
     double work = 0.0;         ///< of this rank [J]
     double energy_bound = 0.0; ///< what the kinetic energy is judged by [J]
     double initial = 0.0;      ///< energy at time 0 [J]
+    double start_bound = 0.0;  ///< what energy_bound began with [J]
   };
   Clock clock() const;
   /// Owned blocks between two steps. Acceleration and held force were evaluated before the bonds broke that are gone
