@@ -1,5 +1,7 @@
 #pragma once
 #include "pdx/solve/time_driver.hpp"
+#include "support/inert_term.hpp"
+#include "support/ranks.hpp"
 #include "support/springs.hpp"
 
 #include <memory>
@@ -27,28 +29,15 @@ struct Oscillators {
   /// 1/2 k u.u of all ranks.
   double stored(const solve::TimeDriver& driver) const
   {
-    double sum = 0.0;
-    for (const double u : driver.u()) sum += 0.5 * kStiffness * u * u;
-    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
-    return sum;
+    double mine = 0.0;
+    for (const double u : driver.u()) mine += 0.5 * kStiffness * u * u;
+    return sum(mine);
   }
-  double work(const solve::TimeDriver& driver) const
-  {
-    double sum = driver.moving().work();
-    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
-    return sum;
-  }
+  double work(const solve::TimeDriver& driver) const { return sum(driver.moving().work()); }
 
-  class Masses final : public field::Term {
+  class Masses final : public InertTerm {
   public:
     explicit Masses(Index rows) : rows_(rows) {}
-    void needed_rows(std::vector<PetscInt>&) const override {}
-    void bind(const field::RowHalo&) override {}
-    void add_residual(std::span<const double>, std::span<double>) const override {}
-    double energy(std::span<const double>) const override { return 0.0; }
-    void couplings(field::Couplings&, bool) const override {}
-    void add_jacobian(field::BlockAdder&, bool) const override {}
-    bool constant_jacobian() const override { return true; }
     void add_mass(std::span<double> mass) const override
     {
       for (Index row = 0; row < rows_; ++row) mass[static_cast<std::size_t>(row)] += kMass;

@@ -1,4 +1,5 @@
 #include "pdx/mesh/build.hpp"
+#include "support/ranks.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -8,21 +9,10 @@ using namespace pdx::mesh;
 using pdx::Index;
 using pdx::Vector;
 
+using pdx::test::rank;
+using pdx::test::ranks;
+
 namespace {
-int rank()
-{
-  int r = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &r);
-  return r;
-}
-
-int ranks()
-{
-  int n = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &n);
-  return n;
-}
-
 template <class T> T sum(T value)
 {
   const MPI_Datatype type = sizeof(T) == sizeof(double) ? MPI_DOUBLE : MPI_INT;

@@ -1,5 +1,6 @@
 #include "pdx/base/gather.hpp"
 #include "pdx/pd/bond_term.hpp"
+#include "support/ranks.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -9,6 +10,9 @@
 using namespace pdx;
 using crack::CrackSet;
 using pd::Kinematics;
+
+using pdx::test::rank;
+using pdx::test::ranks;
 
 namespace {
 constexpr Index kWide = 21, kHigh = 18;
@@ -26,18 +30,6 @@ pd::Stencil<2> stencil(double ratio)
   return pd::make_stencil<2>(options);
 }
 
-int rank()
-{
-  int r = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &r);
-  return r;
-}
-int ranks()
-{
-  int n = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &n);
-  return n;
-}
 template <class T> T sum(T mine)
 {
   const std::vector<T> all = gather_all<T>(PETSC_COMM_WORLD, {mine});

@@ -1,10 +1,14 @@
 #include "pdx/base/gather.hpp"
 #include "pdx/pd/bond_term.hpp"
+#include "support/ranks.hpp"
 
 #include <gtest/gtest.h>
 #include <map>
 
 using namespace pdx;
+
+using pdx::test::rank;
+using pdx::test::ranks;
 
 namespace {
 constexpr Index kWide = 19, kHigh = 17;
@@ -18,19 +22,6 @@ pd::StencilOptions stencil_options(double ratio)
   options.horizon = ratio * options.dx;
   options.elastic = {3.0, 1.0 / 3.0, law::Plane::stress, 1.0};
   return options;
-}
-
-int rank()
-{
-  int r = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &r);
-  return r;
-}
-int ranks()
-{
-  int n = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &n);
-  return n;
 }
 
 /// Owner of a site: stripes that no sensible partitioner would cut, with single sites of others strewn in.

@@ -1,4 +1,5 @@
 #include "pdx/pd/bond_term.hpp"
+#include "support/ranks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,33 +13,13 @@ using namespace pdx;
 using pd::Kinematics;
 using pd::Processor;
 
+using pdx::test::largest;
+using pdx::test::rank;
+using pdx::test::ranks;
+using pdx::test::sum;
+
 namespace {
 constexpr double kDx = 0.25;
-
-int rank()
-{
-  int r = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &r);
-  return r;
-}
-int ranks()
-{
-  int n = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &n);
-  return n;
-}
-double sum(double mine)
-{
-  double total = 0.0;
-  MPI_Allreduce(&mine, &total, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
-  return total;
-}
-double largest(double mine)
-{
-  double total = 0.0;
-  MPI_Allreduce(&mine, &total, 1, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
-  return total;
-}
 
 std::vector<Processor> processors()
 {
@@ -339,7 +320,6 @@ TEST(StripPart, SkippedTilesChangeNoBit)
 
 TEST(StripPart, CountsTilesAtRest)
 {
-  if (ranks() > 1) GTEST_SKIP();
   const Patch<2> patch(Options<2>{{376, 152}});
   pd::StripPart<2> strip(*patch.part, Kinematics::finite);
   strip.load(std::vector<double>(static_cast<std::size_t>(patch.rows.owned()) * 2, 0.0));

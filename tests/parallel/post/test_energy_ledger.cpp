@@ -1,8 +1,11 @@
 #include "pdx/post/energy_ledger.hpp"
+#include "support/ranks.hpp"
 
 #include <gtest/gtest.h>
 
 using namespace pdx;
+
+using pdx::test::ranks;
 
 namespace {
 /// Every rank: one row; x is prescribed and hangs on a spring of 2 N/m, y carries a load of 4 N.
@@ -15,12 +18,6 @@ field::System two_springs()
   return system;
 }
 
-int ranks()
-{
-  int n = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &n);
-  return n;
-}
 } // namespace
 
 TEST(EnergyLedger, AddsTheWorkOfReactionsAndLoadsByHand)

@@ -1,21 +1,18 @@
 #include "pdx/post/nonlocal_j.hpp"
 #include "support/bare_patch.hpp"
+#include "support/ranks.hpp"
 #include "support/scene.hpp"
 
 #include <gtest/gtest.h>
 
 using namespace pdx;
 
+using pdx::test::ranks;
+
 namespace {
 const geom::Lattice<2> kLattice{{1.0, 2.0}, 0.25, {23, 21}}; // 5.75 by 5.25 m
 const Vector<2> kMiddle(1.0 + 12 * 0.25, 2.0 + 10 * 0.25);
 
-int ranks()
-{
-  int n = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &n);
-  return n;
-}
 /// Stripes with single sites of others strewn in.
 int owner(Index site) { return (site % 23 / 3 + site / 23 / 5 + (site % 11 == 3)) % ranks(); }
 

@@ -1,3 +1,4 @@
+#include "support/ranks.hpp"
 #include "support/scene.hpp"
 #include "support/springs.hpp"
 
@@ -7,6 +8,8 @@
 using namespace pdx;
 using test::kUnbreakable;
 using test::Spring;
+
+using pdx::test::ranks;
 
 namespace {
 constexpr std::array<double, 2> kX{1.0, 0.0}, kY{0.0, 1.0};
@@ -29,13 +32,6 @@ std::vector<double> values(Vec u)
   std::vector<double> copy(at, at + n);
   PDX_CALL(VecRestoreArrayRead(u, &at));
   return copy;
-}
-
-int ranks()
-{
-  int size = 0;
-  MPI_Comm_size(PETSC_COMM_WORLD, &size);
-  return size;
 }
 
 struct Outcome {

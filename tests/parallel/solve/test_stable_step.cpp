@@ -1,5 +1,7 @@
 #include "pdx/solve/stable_step.hpp"
 #include "support/cracked.hpp"
+#include "support/inert_term.hpp"
+#include "support/ranks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -77,13 +79,7 @@ TEST(StableStep, IsUnknownForTheInterfaceScheme)
 }
 
 /// One row per rank, of mass 1, on a spring that is stiffer upwards.
-struct OnSpring final : field::Term {
-  void needed_rows(std::vector<PetscInt>&) const override {}
-  void bind(const field::RowHalo&) override {}
-  void add_residual(std::span<const double>, std::span<double>) const override {}
-  double energy(std::span<const double>) const override { return 0.0; }
-  void couplings(field::Couplings&, bool) const override {}
-  void add_jacobian(field::BlockAdder&, bool) const override {}
+struct OnSpring final : InertTerm {
   void add_mass(std::span<double> mass) const override { mass[0] += 1.0; }
   void add_stiffness_bound(std::span<double> blocks) const override
   {
@@ -94,8 +90,7 @@ struct OnSpring final : field::Term {
 
 TEST(StableStep, HeldComponentsDoNotCount)
 {
-  int ranks = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  const int ranks = test::ranks();
   for (const int held : {0, 1, 2}) {
     field::System system;
     system.rows = field::Rows::number(PETSC_COMM_WORLD, 2, 1, 0, 0);
