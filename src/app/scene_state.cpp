@@ -4,6 +4,7 @@
 #include "pdx/base/gather.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,12 +14,8 @@ namespace {
 constexpr int kFormat = 3;                           // of the tables
 constexpr const char* kArrivals = "/crack_arrivals"; // patch, site, time [s], look
 
-/// An enriched set by what does not depend on the number of ranks.
-struct SetName {
-  Index vertex;
-  int crack;
-  auto operator<=>(const SetName&) const = default;
-};
+/// An enriched set by what does not depend on the number of ranks: vertex, crack.
+using SetName = std::array<Index, 2>;
 
 std::vector<SetName> names_of_sets(const mesh::Mesh& mesh, const Discretisation& d)
 {

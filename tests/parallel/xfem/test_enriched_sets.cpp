@@ -4,6 +4,7 @@
 #include "support/scene.hpp"
 
 #include <algorithm>
+#include <array>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -13,11 +14,8 @@ using test::CutBodyOptions;
 using xfem::Side;
 
 namespace {
-/// An enriched set, or a cut cell, by numbers that do not depend on the ranks.
-struct Mark {
-  int natural, crack, side;
-  auto operator<=>(const Mark&) const = default;
-};
+/// An enriched set, or a cut cell, by numbers that do not depend on the ranks: vertex or cell, crack, side.
+using Mark = std::array<int, 3>;
 
 struct Picture {
   std::vector<Mark> sets, cells; // side of a cell: -1 not snapped
