@@ -11,8 +11,14 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 class Check:
     """Runs variants of one case in a scratch directory and counts what does not hold."""
 
-    def __init__(self, case, executable, scratch):
-        self.case, self.executable, self.scratch, self.failures = case, executable, pathlib.Path(scratch), 0
+    case = ""  # directory below cases/, said by the class that derives from this one
+
+    def __init__(self, executable, scratch):
+        self.executable, self.scratch, self.failures = executable, pathlib.Path(scratch), 0
+
+    def check(self, name):
+        """Checks what has this name: a part, which is a method, unless the case says otherwise."""
+        getattr(self, name)()
 
     def expect(self, holds, what):
         print(f"  {'ok  ' if holds else 'FAIL'} {what}", flush=True)

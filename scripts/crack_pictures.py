@@ -76,3 +76,19 @@ def energies(run, axes, unit=(1.0, "J")):
     axes.set(xlabel="time [µs]", ylabel=f"energy [{unit[1]}]", xlim=(0, None))
     axes.grid(linewidth=0.3)
     axes.legend(frameon=False, fontsize=8)
+
+
+def speed_and_energies(runs, rayleigh, energy_run, path, quoted=()):
+    """Speed of the fastest tip for runs by label, beside Rayleigh waves [m/s] and speeds that others quote [m/s]; and
+    where the energy of one run is. Runs that are not there are left out."""
+    figure, (speed, energy) = plt.subplots(1, 2, figsize=(9.2, 3.4), layout="constrained")
+    there = {label: run for label, run in runs.items() if (run / "history.csv").exists()}
+    curves(there, "crack_speed", 1.0, speed)
+    speed.axhline(rayleigh, color="k", linewidth=0.8, label="Rayleigh waves")
+    for value in quoted:
+        speed.axhline(value, color="0.5", linewidth=0.8, linestyle=":", label=f"{value:g} m/s")
+    speed.set(ylabel="speed of the fastest tip [m/s]", ylim=(0, None))
+    speed.legend(frameon=False, fontsize=8)
+    energies(energy_run, energy)
+    figure.savefig(path)
+    plt.close(figure)

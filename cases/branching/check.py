@@ -29,11 +29,7 @@ def by_number(particles, name):
 class Check(case_check.Check):
     """The parts of the check, each a method."""
 
-    def __init__(self, executable, scratch):
-        super().__init__("branching", executable, scratch)
-
-    def check(self, part):
-        getattr(self, part)()
+    case = "branching"
 
     def ranks(self):
         """The same bonds break, look by look, however many ranks there are."""

@@ -19,15 +19,8 @@ RUNS = {"full": "default", "rows322": "default, 322 rows", "paper": "the paper's
 def main():
     out = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "out/branching")
     pictures.damage_maps(out / "full", (15e-6, 20e-6, 22.5e-6, 25e-6, 32e-6, 40e-6), HERE / "damage.png")
-    figure, (speed, energy) = pictures.plt.subplots(1, 2, figsize=(9.2, 3.4), layout="constrained")
-    runs = {label: out / name for name, label in RUNS.items() if (out / name / "history.csv").exists()}
-    pictures.curves(runs, "crack_speed", 1.0, speed)
-    speed.axhline(RAYLEIGH, color="k", linewidth=0.8, label="Rayleigh waves")
-    speed.axhline(GLASS, color="0.5", linewidth=0.8, linestyle=":", label="1580 m/s")
-    speed.set(ylabel="speed of the fastest tip [m/s]", ylim=(0, None))
-    speed.legend(frameon=False, fontsize=8)
-    pictures.energies(out / "full", energy)
-    figure.savefig(HERE / "curves.png")
+    runs = {label: out / name for name, label in RUNS.items()}
+    pictures.speed_and_energies(runs, RAYLEIGH, out / "full", HERE / "curves.png", (GLASS,))
 
 
 if __name__ == "__main__":

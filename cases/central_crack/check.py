@@ -22,11 +22,7 @@ SPACING = 1e-3 / 3.0  # [m]
 class Check(case_check.Check):
     """The parts of the check, each a method."""
 
-    def __init__(self, executable, scratch):
-        super().__init__("central_crack", executable, scratch)
-
-    def check(self, part):
-        getattr(self, part)()
+    case = "central_crack"
 
     def growth(self):
         """Coupled and with particles only."""

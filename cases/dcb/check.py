@@ -49,11 +49,7 @@ def read_damage(run):
 class Check(case_check.Check):
     """The parts of the check, each a method."""
 
-    def __init__(self, executable, scratch):
-        super().__init__("dcb", executable, scratch)
-
-    def check(self, part):
-        getattr(self, part)()
+    case = "dcb"
 
     def directory(self, name, variant, options, ranks=2):
         """The output directory of a run, or None if it failed."""

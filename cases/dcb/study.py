@@ -7,17 +7,17 @@ Each run leaves its directory in the output directory, for pictures.py; the tabl
 this file, where runs that are not repeated keep their lines.
 """
 
-import argparse
 import csv
 import datetime
-import json
 import pathlib
-import subprocess
 import sys
-import time
 
 HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
+sys.path.insert(0, str(HERE.parents[1] / "scripts"))
+
+import case_study
+import fields
+
 ROWS = range(1, 11)
 # The paper's Table 3: peak force per thickness [N/m], final crack [mm], speed-up over particles only.
 PAPER = {
@@ -58,19 +58,12 @@ COLUMNS = [
 ]
 
 
-def run(executable, name, directory, timeout):
+def run(arguments, name):
     """Runs a variant on one rank; its summary, or None if it did not end well."""
     file, options = VARIANTS[name]
-    command = [executable, "-options_file", f"cases/dcb/{file}.opts", *options, "-case", f"dcb_{name}"]
-    command += ["-output_dir", str(directory), "-output_fields", "-output_interval", "20", "-quiet"]
-    begin = time.monotonic()
-    try:
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=timeout)
-    except subprocess.TimeoutExpired:
-        print(f"{name}: longer than {timeout:g} s", flush=True)
-        return None
-    print(f"{name}: status {done.returncode} in {time.monotonic() - begin:.1f} s {done.stderr.strip()}", flush=True)
-    return json.loads((directory / "summary.json").read_text(encoding="utf-8")) if done.returncode == 0 else None
+    variant = file, [*options, "-output_fields", "-output_interval", "20"]
+    done = case_study.run(arguments.executable, "dcb", name, variant, arguments.out, timeout=arguments.timeout)
+    return fields.read_summary(arguments.out / name) if done else None
 
 
 def numbers(name, invocation, summary):
@@ -134,28 +127,20 @@ def table(lines):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--executable", default=str(ROOT / "build/release/pdxsolve"))
-    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/dcb")
+    parser = case_study.Parser(__doc__, "dcb", VARIANTS)
     parser.add_argument("--csv", type=pathlib.Path, default=HERE / "results.csv")
-    parser.add_argument("--only", default=",".join(VARIANTS), help="runs, separated by commas; none: only the table")
     parser.add_argument("--timeout", type=float, default=7200.0, help="of one run [s]")
-    arguments = parser.parse_args()
-    names = [name for name in arguments.only.split(",") if name and name != "none"]
-    unknown = [name for name in names if name not in VARIANTS]
-    if unknown:
-        parser.error(f"no run {unknown[0]}: choose from {', '.join(VARIANTS)}")
+    arguments = parser.read()
 
-    executable = str(pathlib.Path(arguments.executable).resolve())
     invocation = datetime.datetime.now().isoformat(timespec="seconds")
     lines = read(arguments.csv)
-    for name in names:
-        summary = run(executable, name, arguments.out.resolve() / name, arguments.timeout)
+    for name in arguments.only:
+        summary = run(arguments, name)
         if summary:
             lines[name] = numbers(name, invocation, summary)
             write(arguments.csv, lines)
     table(lines)
-    return 0 if all(name in lines for name in names) else 1
+    return 0 if all(name in lines for name in arguments.only) else 1
 
 
 if __name__ == "__main__":

@@ -44,8 +44,7 @@ WARNING = "closes at the last element edge before it"
 class Check(case_check.Check):
     """J of a variant on 1 and 2 ranks."""
 
-    def __init__(self, executable, scratch):
-        super().__init__("double_notch", executable, scratch)
+    case = "double_notch"
 
     def results(self, variant, ranks):
         """Runs a variant that warns if it should and says nothing else; its results, or None if it failed."""

@@ -28,11 +28,7 @@ INITIAL_ENERGY = 0.5 * 7800.0 * 0.05 * 0.003 * 0.01 * 22.0**2
 class Check(case_check.Check):
     """The parts of the check, each a method."""
 
-    def __init__(self, executable, scratch):
-        super().__init__("kalthoff_winkler", executable, scratch)
-
-    def check(self, part):
-        getattr(self, part)()
+    case = "kalthoff_winkler"
 
     def cracks(self):
         run = self.run("case", 2, ["-output_interval", "1000"], "cracks")

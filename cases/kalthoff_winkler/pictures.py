@@ -19,13 +19,8 @@ RAYLEIGH = 2778.76  # [m/s]
 def main():
     out = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "out/kalthoff_winkler")
     pictures.damage_maps(out / "fine", (25e-6, 50e-6, 75e-6, 100e-6), HERE / "damage.png", columns=4, size=(2.2, 3.8))
-    figure, (speed, energy) = pictures.plt.subplots(1, 2, figsize=(9.2, 3.4), layout="constrained")
-    pictures.curves({label: out / name for name, label in RUNS.items()}, "crack_speed", 1.0, speed)
-    speed.axhline(RAYLEIGH, color="k", linewidth=0.8, label="Rayleigh waves")
-    speed.set(ylabel="speed of the fastest tip [m/s]", ylim=(0, None))
-    speed.legend(frameon=False, fontsize=8)
-    pictures.energies(out / "fine", energy)
-    figure.savefig(HERE / "curves.png")
+    runs = {label: out / name for name, label in RUNS.items()}
+    pictures.speed_and_energies(runs, RAYLEIGH, out / "fine", HERE / "curves.png")
 
 
 if __name__ == "__main__":

@@ -38,8 +38,7 @@ DISPLACEMENT_TOLERANCE = 5e-7  # relative, half a digit
 class Check(case_check.Check):
     """Errors, reactions and displacements on 2 ranks."""
 
-    def __init__(self, executable, scratch):
-        super().__init__("plate_static", executable, scratch)
+    case = "plate_static"
 
     def expect_vector(self, name, found, expected, tolerance):
         gap = np.abs(found / np.array(expected) - 1.0).max()

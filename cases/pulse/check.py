@@ -32,12 +32,8 @@ DISPERSION = 1.58e-2, 0.1e-2  # of elements alone against the exact pulse at t2,
 class Check(case_check.Check):
     """The parts of the check, each a method."""
 
-    def __init__(self, executable, scratch):
-        super().__init__("pulse", executable, scratch)
-        self.alone = None  # directory of the plane pulse in elements alone
-
-    def check(self, part):
-        getattr(self, part)()
+    case = "pulse"
+    alone = None  # directory of the plane pulse in elements alone
 
     def directory(self, variant, options=(), ranks=2, name=None):
         run = self.run(variant, ranks, options, name)

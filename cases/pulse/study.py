@@ -6,32 +6,38 @@ usage: study.py [--executable build/release/pdxsolve] [--out out/pulse] [--ranks
 Each run leaves its directory in the output directory, for pictures.py; with --only none the table of what is there.
 """
 
-import argparse
-import pathlib
-import subprocess
 import sys
-import time
 
-import waves
+import waves  # scripts/ are on the path from here on
+import case_study
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 ROLLERS = ["-options_file", "cases/pulse/rollers.opts"]
 # The plane pulse with the whole way from the source to the patch.
 WAY = ["-mesh_upper", "0.5,0.1", "-mesh_cells", "150,50", "-ts_max_time", "5.61e-5"]
-# name: options file, what is said after it, the run of elements alone that it is compared with
+# name: options file and what is said after it
 VARIANTS = {
-    "fe_only": ("fe_only", [], None),
-    "case": ("case", [], "fe_only"),
-    "paper": ("paper", [], "fe_only"),
-    "rollers_fe_only": ("fe_only", ROLLERS, None),
-    "rollers_case": ("case", ROLLERS, "rollers_fe_only"),
-    "rollers_paper": ("paper", ROLLERS, "rollers_fe_only"),
-    "rollers_rest": ("case", [*ROLLERS, "-pd_skip_tolerance", "1e-14"], "rollers_fe_only"),
-    "plane_fe_only": ("plane_fe_only", WAY, None),
-    "plane_case": ("plane_case", WAY, "plane_fe_only"),
-    "plane_paper": ("plane_paper", WAY, "plane_fe_only"),
+    "fe_only": ("fe_only", []),
+    "case": ("case", []),
+    "paper": ("paper", []),
+    "rollers_fe_only": ("fe_only", ROLLERS),
+    "rollers_case": ("case", ROLLERS),
+    "rollers_paper": ("paper", ROLLERS),
+    "rollers_rest": ("case", [*ROLLERS, "-pd_skip_tolerance", "1e-14"]),
+    "plane_fe_only": ("plane_fe_only", WAY),
+    "plane_case": ("plane_case", WAY),
+    "plane_paper": ("plane_paper", WAY),
 }
-HEAD = [
+# which run of elements alone a run is compared with
+ALONE = {
+    "case": "fe_only",
+    "paper": "fe_only",
+    "rollers_case": "rollers_fe_only",
+    "rollers_paper": "rollers_fe_only",
+    "rollers_rest": "rollers_fe_only",
+    "plane_case": "plane_fe_only",
+    "plane_paper": "plane_fe_only",
+}
+COLUMNS = [
     "run",
     "reflection, 56 µs [%]",
     "left behind, 79 µs [%]",
@@ -48,26 +54,17 @@ HEAD = [
 ]
 
 
-def run(executable, ranks, name, directory):
-    """True if the run ended well."""
-    file, options, _ = VARIANTS[name]
-    command = [*(["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []), executable]
-    command += ["-options_file", f"cases/pulse/{file}.opts", *options, "-output_dir", str(directory), "-quiet"]
-    begin = time.monotonic()
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    print(f"{name}: status {done.returncode} in {time.monotonic() - begin:.1f} s {done.stderr.strip()}", flush=True)
-    return done.returncode == 0
-
-
 def percent(value):
     return f"{100 * value:.3f}"
 
 
 def line(out, name):
-    """Cells of the table."""
-    alone = VARIANTS[name][2]
-    here, reference = out / name, alone and out / alone
+    """Cells of the table, or None if there is no such run."""
+    here, alone = out / name, ALONE.get(name)
+    reference = alone and out / alone
     summary = waves.fields.read_summary(here)
+    if not summary:
+        return None
     results = summary["results"]
     t2, t3 = waves.TIMES[1:]
     short = name.startswith("plane")
@@ -89,30 +86,5 @@ def line(out, name):
     ]
 
 
-def table(out):
-    print("|", " | ".join(HEAD), "|")
-    print("|---" * len(HEAD) + "|")
-    for name in VARIANTS:
-        if (out / name / "summary.json").exists():
-            print("|", " | ".join(line(out, name)), "|")
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--executable", default=str(ROOT / "build/release/pdxsolve"))
-    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/pulse")
-    parser.add_argument("--ranks", type=int, default=1)
-    parser.add_argument("--only", default=",".join(VARIANTS), help="runs, separated by commas; none: only the table")
-    arguments = parser.parse_args()
-    names = [name for name in arguments.only.split(",") if name and name != "none"]
-    unknown = [name for name in names if name not in VARIANTS]
-    if unknown:
-        parser.error(f"no run {unknown[0]}: choose from {', '.join(VARIANTS)}")
-    executable, out = str(pathlib.Path(arguments.executable).resolve()), arguments.out.resolve()
-    done = [run(executable, arguments.ranks, name, out / name) for name in names]
-    table(out)
-    return 0 if all(done) else 1
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(case_study.main(__doc__, "pulse", VARIANTS, COLUMNS, line, ranks=True))
