@@ -84,6 +84,19 @@ def words_of(options):
     return words
 
 
+def finish(command, directory, timeout=TIMEOUT):
+    """Runs a command there to its end: exit status (None if it hung), what it said on stdout and on stderr."""
+    with subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=directory
+    ) as process:
+        try:
+            out, err = process.communicate(timeout=timeout)
+            return process.returncode, out, err
+        except subprocess.TimeoutExpired:
+            process.terminate()  # mpirun takes its ranks along
+            return None, *process.communicate()
+
+
 class ProgramTest(unittest.TestCase):
     """Each test has a scratch directory; each of its runs a directory in there."""
 
@@ -99,16 +112,7 @@ class ProgramTest(unittest.TestCase):
         directory = directory or self.scratch / f"run_{self.runs}"
         launcher = ["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []
         command = [*launcher, *before, PROGRAM, *words_of(options), "-output_dir", str(directory)]
-        with subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT
-        ) as process:
-            try:
-                out, err = process.communicate(timeout=TIMEOUT)
-                return Run(process.returncode, out, err, directory)
-            except subprocess.TimeoutExpired:
-                process.terminate()  # mpirun takes its ranks along
-                out, err = process.communicate()
-                return Run(None, out, err, directory)
+        return Run(*finish(command, ROOT), directory)
 
     def solve(self, options, ranks=1, directory=None):
         """Runs a scene that must succeed without a word on stderr."""

@@ -8,10 +8,10 @@ by hand: `. scripts/mpi_env.sh`).
 import concurrent.futures
 import dataclasses
 import pathlib
-import subprocess
-import sys
 import tempfile
 import unittest
+
+import program
 
 TIMEOUT = 60  # [s] longer is a hang
 RANKS = (1, 2)
@@ -87,26 +87,15 @@ class Case:
 
     def arguments(self, directory):
         options = {"-output_dir": "{dir}/out"} | self.base | self.change
-        words = []
-        for key, value in options.items():
-            if value is not None:
-                words += [key] + ([value.replace("{dir}", directory)] if value else [])
-        return words
+        return [word.replace("{dir}", directory) for word in program.words_of(options)]
 
 
-def plate(name, pattern, **change):
-    """A case on the plate of elements; keyword `mesh_cells` is option `-mesh_cells`."""
-    return Case(name, {f"-{key}": value for key, value in change.items()}, pattern)
+def on(base):
+    """A function that makes a case on `base`; its keyword `mesh_cells` is option `-mesh_cells`."""
+    return lambda name, pattern, **change: Case(name, {f"-{key}": value for key, value in change.items()}, pattern, base)
 
 
-def patch(name, pattern, **change):
-    """A case on the plate with a patch."""
-    return Case(name, {f"-{key}": value for key, value in change.items()}, pattern, PATCH)
-
-
-def solid(name, pattern, **change):
-    """A case on the block in space."""
-    return Case(name, {f"-{key}": value for key, value in change.items()}, pattern, SOLID)
+plate, patch, solid = map(on, (PLATE, PATCH, SOLID))
 
 
 def from_file(name, pattern, file):
@@ -351,17 +340,8 @@ def run(case, ranks):
         for name, text in FILES.items():
             (pathlib.Path(directory) / name).write_text(text, encoding="utf-8")
         launcher = ["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []
-        command = launcher + [PROGRAM] + case.arguments(directory)
-        with subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=directory
-        ) as process:
-            try:
-                out, err = process.communicate(timeout=TIMEOUT)
-                status = process.returncode
-            except subprocess.TimeoutExpired:
-                process.terminate()  # mpirun takes its ranks along
-                out, err = process.communicate()
-                status = None
+        command = launcher + [program.PROGRAM] + case.arguments(directory)
+        status, out, err = program.finish(command, directory, TIMEOUT)
     return status, out, [line.replace(directory, "{dir}") for line in err.splitlines() if line.strip()]
 
 
@@ -392,7 +372,4 @@ class ThroughTheProgram(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
-        sys.exit("usage: test_bad_input.py PDXSOLVE [unittest arguments]")
-    PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
-    unittest.main()
+    program.main()
