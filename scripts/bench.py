@@ -4,7 +4,8 @@
 usage: bench.py [--executable build/release/pdxsolve] [--rounds 5] [--out out/bench] [--only PART,PART]
 Parts without cracks: speed, size, ranks, pareto. With cracks: coupled and direct (coupled against particles only, default
 and direct solver), run (dcb row 3), sequence (a crack that grows from solve to solve), notch_pareto,
-beam_pareto. In time: kernels (of bonds), program (whole runs, one and two ranks).
+beam_pareto. In time: kernels (of bonds), program (whole runs, one and two ranks), pulse_pareto, scaling (on 1, 2, 4 ...
+ranks up to --ranks; PDX_LAUNCH says what starts them, see scaling.py).
 The two sides of a ratio run in turn, round after round; the quoted numbers are medians. One-rank runs are pinned to a
 core. Writes bench.json, table.md and pictures into the output directory.
 """
@@ -18,6 +19,7 @@ import numpy as np
 from bench_fracture import FractureBench
 from bench_machine import ROOT
 from bench_motion import MotionBench
+from scaling import cores
 
 LENGTH = 5e-3  # side of the plate [m]
 PLATE = ["-mesh_lower", "0,0", "-mesh_upper", f"{LENGTH},{LENGTH}", "-material_young", "1e9", "-material_poisson",
@@ -125,12 +127,13 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/bench")
     parser.add_argument("--only", default="speed,size,ranks,pareto,coupled,direct,run,sequence,notch_pareto,beam_pareto,"
-                        "kernels,program")
+                        "kernels,program,pulse_pareto,scaling")
     parser.add_argument("--package", default="cholmod", help="direct: -pc_factor_mat_solver_type of both sides")
+    parser.add_argument("--ranks", type=int, default=cores(), help="scaling: the most (%(default)s)")
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     bench = AllBench(arguments.executable, arguments.rounds, arguments.out)
-    bench.package = arguments.package
+    bench.package, bench.most_ranks = arguments.package, arguments.ranks
     for part in arguments.only.split(","):
         getattr(bench, {"run": "whole_run"}.get(part, part))()
         (arguments.out / "table.md").write_text("\n".join(bench.lines) + "\n")

@@ -54,14 +54,6 @@ def growing(summary):
 class FractureBench(Bench):
     package = "cholmod"  # for direct solvers, on both sides
 
-    def rounds_of(self, sides):
-        """Summaries of every side, a run of each per round."""
-        runs = {name: [] for name in sides}
-        for _ in range(self.rounds):
-            for name, arguments in sides.items():
-                runs[name].append(self.run(arguments))
-        return runs
-
     def pairs(self, extra, increments):
         """(title, paper's speed-up, coupled runs, runs of particles only) of the three pairs of part I."""
         beams = self.rounds_of({name: dcb(name, increments) + extra for name in ("row1", "row3", "pd_only")})

@@ -15,6 +15,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the choice of backend)
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+COLOURS = ["#4477aa", "#ee6677", "#ccbb44", "#228833"]
+MARKERS = "os^D"
+plt.rcParams.update({"font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 10})
 
 
 class Bench:
@@ -57,15 +60,22 @@ class Bench:
                        "memory": median(s["peak_memory_mb"] - s["memory_mb"]["before_solve"] for s in runs)}
                 for name, runs in samples.items()}
 
+    def rounds_of(self, sides):
+        """Summaries of every side, a run of each per round."""
+        runs = {name: [] for name in sides}
+        for _ in range(self.rounds):
+            for name, arguments in sides.items():
+                runs[name].append(self.run(arguments))
+        return runs
+
     def table(self, title, header, rows):
         self.lines += [f"### {title}", "", "| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
         self.lines += ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows] + [""]
         print("\n".join(self.lines[-len(rows) - 5:]), flush=True)
 
     def picture(self, name, x_label, curves, y_label):
-        plt.rcParams.update({"font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 10})
         figure, axes = plt.subplots(figsize=(4.6, 3.4))
-        for (label, points), colour, marker in zip(curves.items(), ["#4477aa", "#ee6677", "#ccbb44", "#228833"], "os^D"):
+        for (label, points), colour, marker in zip(curves.items(), COLOURS, MARKERS):
             x, y = zip(*sorted(points))
             one_way = all(b > a for a, b in zip(y, y[1:])) or all(b < a for a, b in zip(y, y[1:]))
             axes.loglog(x, y, marker=marker, markersize=4, linewidth=1 if one_way else 0, color=colour, label=label)

@@ -1,15 +1,38 @@
-"""The benchmarks of explicit dynamics: bond kernels, the whole program, ranks."""
+"""The benchmarks of explicit dynamics: bond kernels, the whole program, run time against error, ranks."""
 import json
 import os
+import statistics
 import subprocess
+import sys
+import tempfile
 
-from bench_machine import Bench, plt
+import scaling
+from bench_machine import COLOURS, MARKERS, ROOT, Bench, plt
+
+sys.path.insert(0, str(ROOT / "cases/pulse"))
+import waves  # noqa: E402  (its directory had to be said first)
 
 CRITICAL = ("strips", "list", "list_gathered", "strips_avx2", "strips_avx512", "strips_portable", "whole_step")
 SIZES = {"plate320_48": "320 x 320, 48 neighbours", "plate320_28": "320 x 320, 28 neighbours",
          "plate88_48": "88 x 88, 48 neighbours", "cube47_122": "47 x 47 x 47, 122 neighbours"}
 PLATE = {"count": (800, 320), "reach": 4.5}  # of cases/branching: sites, and horizon of its bonds in spacings
 STEPS = 300
+ROLLERS = ["-options_file", "cases/pulse/rollers.opts"]
+PULSE_RATIO = 5  # particles along the side of an element
+PULSE_MESHES = (2, 3, 4, 6, 8)  # elements in 10 mm
+BEHIND = waves.TIMES[2]  # the pulse has gone through the patch [s]
+# Steps that take some seconds on one rank.
+SCALING = {
+    "branching, 256,000 particles": ["-options_file", "cases/branching/full.opts", "-ts_max_steps", "300"],
+    "pulse, 125,000 particles, 31,250 elements":
+        ["-options_file", "cases/pulse/case.opts", *ROLLERS, "-ts_max_steps", "400", "-output_fields", "false"],
+}
+
+
+def pulse(variant, mesh):
+    """The plate with rollers in elements of 10 mm / mesh, to the time at which the error is read."""
+    return ["-options_file", f"cases/pulse/{variant}.opts", *ROLLERS, "-mesh_cells", f"{50 * mesh},{25 * mesh}",
+            "-pd_spacing", repr(1e-2 / mesh / PULSE_RATIO), "-ts_max_time", repr(BEHIND), "-output_times", repr(BEHIND)]
 
 
 def directed_bonds(count, reach):
@@ -83,3 +106,70 @@ class MotionBench(Bench):
                    ["1 rank [s]", "1e9 bonds/s", "of the kernel's rate (goal 0.6)", "2 ranks [s]", "2 ranks over 1 (goal 1.8)"],
                    [[f"{seconds[1]:.2f}", f"{bonds / 1e9:.2f}", f"**{share:.2f}**", f"{seconds[2]:.2f}",
                      f"**{seconds[1] / seconds[2]:.2f}**"]])
+
+    def stable_step(self, scene):
+        """The program's own choice without -ts_dt: 0.9 of the limit [s]."""
+        return 0.9 * self.run(scene + ["-ts_max_steps", "1", "-ts_dt", "1e-12"])["results"]["stable_step"]
+
+    def pulse_pareto(self):
+        """Run time of the pulse against its distance from the exact one behind the patch. Steps are 0.9 of each
+        scene's own limit, and once for elements only that of the particles on the same mesh."""
+        families = {"elements only": [(n, "fe_only", "fe_only") for n in (*PULSE_MESHES, 12)],
+                    "elements only, the particles' steps": [(n, "fe_only", "case") for n in PULSE_MESHES],
+                    "papers' scheme": [(n, "paper", "paper") for n in PULSE_MESHES],
+                    "default scheme": [(n, "case", "case") for n in PULSE_MESHES]}
+        steps = {(variant, n): self.stable_step(pulse(variant, n)) for members in families.values()
+                 for n, _, variant in members}
+        scenes = {(name, n): (pulse(variant, n), steps[limited_by, n])
+                  for name, members in families.items() for n, variant, limited_by in members}
+        runs, errors = {key: [] for key in scenes}, {}
+        for _ in range(self.rounds):
+            for key, (scene, step) in scenes.items():
+                with tempfile.TemporaryDirectory() as directory:
+                    runs[key].append(self.run(scene + ["-ts_dt", repr(step)], keep=directory))
+                    errors[key] = 100 * waves.difference(directory, None, BEHIND)
+        rows, curves = [], {}
+        for (name, n), samples in runs.items():
+            seconds = statistics.median(run["wall_seconds"]["solve"] for run in samples)
+            rows.append([name, f"{10 / n:.2f}", samples[0]["unknowns"]["total"], f"{1e9 * scenes[name, n][1]:.0f}",
+                         samples[0]["steps"], f"{errors[name, n]:.3f}", f"{seconds:.3f}"])
+            curves.setdefault(name, []).append((errors[name, n], seconds))
+        self.results["pulse_pareto"] = curves
+        self.table("pulse: run time against distance from the exact pulse behind the patch",
+                   ["method", "h [mm]", "unknowns", "step [ns]", "steps", "error [%]", "steps [s]"], rows)
+        self.picture("pulse_pareto.png", "largest distance from the exact pulse, of its amplitude [%]", curves,
+                     "all steps, one core [s]")
+
+    most_ranks = 1
+
+    def scaling(self):
+        """Wall time of steps on more and more ranks, medians of interleaved rounds."""
+        counts, load = scaling.rank_counts(self.most_ranks), os.getloadavg()[0]
+        measured = scaling.measure(self.executable, SCALING, counts, self.rounds, ROOT)
+        self.results["scaling"] = measured
+        rows = [[name, *scaling.words(row)] for name, scene in measured.items() for row in scene]
+        self.table(f"Strong scaling, steps alone, wall time; {scaling.cores()} cores, load {load:.1f} beforehand",
+                   ["scene", *scaling.COLUMNS], rows)
+        self.scaling_picture(measured, counts)
+
+    def scaling_picture(self, measured, counts):
+        figure, axes = plt.subplots(figsize=(4.6, 3.4))
+        ends = [counts[0], counts[-1]]
+        axes.plot(ends, ends, color="0.5", linewidth=0.8, linestyle="--", label="ideal")
+        for (name, scene), colour, marker in zip(measured.items(), COLOURS, MARKERS):
+            axes.plot([row[0] for row in scene], [row[4] for row in scene], marker=marker, markersize=4, linewidth=1,
+                      color=colour, label=name)
+        if len(counts) > 4:  # up to 8 ranks and more
+            axes.set_xscale("log", base=2)
+            axes.set_yscale("log", base=2)
+        else:
+            axes.set(xlim=(0, 1.05 * counts[-1]), ylim=(0, 1.05 * counts[-1]))
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_ticks(counts, [str(count) for count in counts])
+        axes.minorticks_off()
+        axes.set(xlabel="ranks", ylabel="times faster than one rank")
+        axes.grid(True, which="major", linewidth=0.3)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.05, 1.0))
+        figure.savefig(self.out / "scaling.png", dpi=200, bbox_inches="tight")
+        plt.close(figure)
