@@ -13,6 +13,7 @@ namespace {
 void cut_cells(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
 {
   d.body = options.mesh.file.empty() ? plan.body : mesh.bounds();
+  judge_no_fail(options.fracture.no_fail, d.body);
   if (options.cracks.lines.empty()) return;
   d.cracks = cracks_in(options.cracks.lines, d.body);
   d.sets = std::make_unique<xfem::EnrichedSets>(mesh, d.cracks, options.cracks.rule);

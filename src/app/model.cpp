@@ -21,6 +21,17 @@ crack::CrackSet cracks_in(const std::vector<crack::Polyline>& lines, const geom:
   return cracks;
 }
 
+void judge_no_fail(const std::vector<geom::Box<2>>& zones, const geom::Box<2>& body)
+{
+  for (const geom::Box<2>& zone : zones)
+    if ((zone.lower.array() > body.upper.array()).any() || (zone.upper.array() < body.lower.array()).any())
+      throw UserError(
+          fmt::format("-pd_no_fail: no part of {:g},{:g},{:g},{:g} is in the body, which is ({:g}, {:g}) to "
+                      "({:g}, {:g})",
+                      zone.lower.x(), zone.lower.y(), zone.upper.x(), zone.upper.y(), body.lower.x(), body.lower.y(),
+                      body.upper.x(), body.upper.y()));
+}
+
 template <int Dim> double critical_stretch(const SceneOptions& options, const pd::Stencil<Dim>& stencil)
 {
   const FractureOptions& f = options.fracture;

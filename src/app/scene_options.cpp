@@ -167,6 +167,10 @@ void judge(const BoundaryCondition& c)
     throw UserError(fmt::format("{0}_on is {1}: a body force acts everywhere or in {0}_box, a point force at {0}_at; "
                                 "drop {0}_on",
                                 stem, c.on));
+  if (c.history && !c.holds() && !c.traction && !c.body && !c.force)
+    throw UserError(fmt::format("{0}_history acts on loads and on what is held: {0}_initial_velocity is given once, at "
+                                "the start",
+                                stem));
   if (c.layer && c.box) throw UserError(fmt::format("{0}_box cannot cut {0}_layer: a layer is held as a whole", stem));
   if (c.layer && (!c.holds() || c.on.empty()))
     throw UserError(
@@ -230,7 +234,8 @@ OutputOptions read_output(const std::string& case_name, bool dynamic)
   OutputOptions output;
   output.directory = o.text("-output_dir", "out/" + case_name, "directory for all files");
   output.fields = o.boolean("-output_fields", false, "write fields.h5 and fields.xdmf for ParaView");
-  output.times = o.reals("-output_times", {}, 0, "s", "in time: fields at the steps nearest to these times");
+  output.times =
+      o.reals("-output_times", {}, 0, "s", "in time: fields at the steps nearest to these times", Range::positive());
   std::ranges::sort(output.times);
   const int usual = !dynamic ? 1 : output.times.empty() ? 100 : 1000000000;
   output.interval = o.integer("-output_interval", usual,
@@ -246,6 +251,8 @@ OutputOptions read_output(const std::string& case_name, bool dynamic)
 
 void judge_time(const SceneOptions& s)
 {
+  if (!s.output.times.empty() && !s.output.fields)
+    throw UserError("-output_times say when fields are written: give -output_fields too");
   if (s.time.checkpoint.any() && s.time.analysis != Analysis::explicit_dynamics)
     throw UserError(
         "-checkpoint_... and -restart are for explicit steps in time: give -analysis explicit, or drop them");

@@ -119,10 +119,12 @@ PetscInt SceneState::particle_number(Index patch, Index site) const
 
 void SceneState::describe(const SceneOptions& options)
 {
-  std::int64_t counts[2] = {model_.system.rows.nodes, model_.system.rows.particles};
-  MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, model_.system.rows.comm);
-  text_ = fmt::format("format = {}\nvertices = {}\nnodes = {}\nenriched sets = {}\nparticles = {}\n", kFormat,
-                      scene_.mesh->global_vertices(), counts[0], sets_, counts[1]);
+  std::int64_t counts[] = {model_.system.rows.nodes, model_.system.rows.particles,
+                           static_cast<std::int64_t>(model_.system.prescribed.components.size())};
+  MPI_Allreduce(MPI_IN_PLACE, counts, 3, MPI_INT64_T, MPI_SUM, model_.system.rows.comm);
+  text_ = fmt::format("format = {}\nvertices = {}\nnodes = {}\nenriched sets = {}\nparticles = {}\nheld components = "
+                      "{}\n",
+                      kFormat, scene_.mesh->global_vertices(), counts[0], sets_, counts[1], counts[2]);
   text_ += lines_of(options, scene_);
   text_ += fmt::format("critical stretch = {}\n", fmt::join(model_.critical_stretch, ", "));
 }

@@ -11,6 +11,13 @@
 
 namespace pdx::app {
 namespace {
+bool is_number(const std::string& word)
+{
+  std::istringstream stream(word);
+  double value = 0.0;
+  return stream >> value && stream.eof();
+}
+
 /// A time and a factor a line, commas or blanks between; # begins a comment, and a first line of words is a header.
 field::History read_table(const std::string& option, const std::string& name)
 {
@@ -18,18 +25,22 @@ field::History read_table(const std::string& option, const std::string& name)
   if (!file) throw UserError(fmt::format("{} is {}: cannot be read", option, name));
   std::vector<field::History::Point> points;
   std::string text;
+  bool headed = false;
   for (int number = 1; std::getline(file, text); ++number) {
     text.resize(std::min(text.size(), text.find('#')));
     std::ranges::replace(text, ',', ' ');
     if (text.find_first_not_of(" \t\r") == std::string::npos) continue;
     std::istringstream words(text);
-    double time = 0.0, factor = 0.0;
-    std::string more;
-    const bool numbers = static_cast<bool>(words >> time >> factor) && !(words >> more);
-    if (!numbers && points.empty() && number == 1) continue;
+    std::string first, second, more;
+    words >> first >> second;
+    if (points.empty() && !headed && !is_number(first) && !is_number(second)) {
+      headed = true;
+      continue;
+    }
+    const bool numbers = is_number(first) && is_number(second) && !(words >> more);
     const std::string where = fmt::format("{} {}, line {}", option, name, number);
-    if (!numbers || !std::isfinite(time) || !std::isfinite(factor))
-      throw UserError(where + ": must be a time in s and a factor");
+    if (!numbers) throw UserError(where + ": must be a time in s and a factor");
+    const double time = std::stod(first), factor = std::stod(second);
     if (!points.empty() && time < points.back().time)
       throw UserError(fmt::format("{}: time {:g} is before {:g} of the line above", where, time, points.back().time));
     points.push_back({time, factor});

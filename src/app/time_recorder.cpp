@@ -47,19 +47,12 @@ MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
   e.stored = d_->energies(driver.local());
   e.initial = driver.clock().initial;
   const pd::Broken broken = d_->breaker ? d_->breaker->mine() : pd::Broken{};
-  const auto dim = static_cast<std::size_t>(d_->system.rows.dim);
-  double particles = 0.0;
-  for (Index row = d_->system.rows.first_particle(); row < d_->system.rows.owned(); ++row)
-    for (std::size_t a = 0; a < dim; ++a)
-      particles += 0.5 * driver.moving().mass[static_cast<std::size_t>(row)] *
-                   std::pow(driver.v()[dim * static_cast<std::size_t>(row) + a], 2);
-  double sums[] = {e.stored.elements, e.stored.bonds,         e.stored.interface,
-                   broken.energy,     driver.moving().work(), particles};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 6, MPI_DOUBLE, MPI_SUM, files_.comm());
+  double sums[] = {e.stored.elements, e.stored.bonds, e.stored.interface, broken.energy, driver.moving().work()};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, files_.comm());
   e.stored = {sums[0], sums[1], sums[2], sums[3]};
   e.work = sums[4];
-  e.kinetic_particles = sums[5];
-  e.kinetic_elements = kinetic.moving - sums[5];
+  e.kinetic_particles = kinetic.particles;
+  e.kinetic_elements = kinetic.moving - kinetic.particles;
   return e;
 }
 
@@ -81,7 +74,7 @@ void TimeRecorder::count(const MotionEnergies& e)
   files_.summary.bonds_broken = broken_.bonds;
 }
 
-void TimeRecorder::look(const solve::TimeDriver& driver)
+MotionEnergies TimeRecorder::look(const solve::TimeDriver& driver)
 {
   const MotionEnergies e = energies(driver);
   count(e);
@@ -89,6 +82,7 @@ void TimeRecorder::look(const solve::TimeDriver& driver)
   largest_energy_ = std::max(largest_energy_, e.initial + e.work);
   largest_residual_ = std::max(largest_residual_, std::abs(e.residual()));
   if (files_.history && !told(driver)) write_history(driver, e);
+  return e;
 }
 
 /// What a restarted run begins with stands in its files already.
@@ -149,14 +143,14 @@ void TimeRecorder::after_step(const solve::TimeDriver& driver)
     if (pictures) files_.write_fields(driver.time(), driver.displacement());
     output_ += MPI_Wtime() - begin;
   }
+  if (!files_.progress.due(step, last)) return;
   std::string text = fmt::format("time {:.4g} s", driver.time());
   if (d_->breaker) text += fmt::format(", {} bonds broken", broken_.bonds);
   files_.progress.step(step, last, text);
 }
 
-void TimeRecorder::write_results(const solve::TimeDriver& driver)
+void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEnergies& e)
 {
-  const MotionEnergies e = energies(driver);
   auto& results = files_.summary.results;
   results["time"] = driver.time();
   results["step_length"] = driver.step_length();
@@ -198,9 +192,9 @@ void TimeRecorder::write_tiles()
 void TimeRecorder::finish(const solve::TimeDriver& driver)
 {
   const double end = MPI_Wtime();
-  look(driver);
+  const MotionEnergies e = look(driver);
   if (files_.fields && !told(driver)) files_.write_fields(driver.time(), driver.displacement());
-  write_results(driver);
+  write_results(driver, e);
   count_seconds(end);
   files_.summary.steps = driver.step();
   files_.write_summary("done");
@@ -218,8 +212,9 @@ void TimeRecorder::count_seconds(double output_begin)
 void TimeRecorder::interrupted(const solve::TimeDriver& driver, const std::string& why)
 {
   const double begin = MPI_Wtime();
-  count(energies(driver));
-  write_results(driver);
+  const MotionEnergies e = energies(driver);
+  count(e);
+  write_results(driver, e);
   count_seconds(begin);
   files_.summary.steps = driver.step();
   files_.summary.message = why;
@@ -231,8 +226,10 @@ void TimeRecorder::stopped_at(const solve::TimeDriver& driver)
 {
   files_.summary.steps = driver.step();
   files_.summary.wall_seconds.solve = MPI_Wtime() - begin_ - output_;
+  const MotionEnergies e = energies(driver);
+  count(e);
   if (files_.fields) files_.write_fields(driver.time(), driver.displacement());
-  write_results(driver);
+  write_results(driver, e);
 }
 
 void TimeRecorder::print_phases(const solve::TimeDriver& driver)

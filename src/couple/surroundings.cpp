@@ -232,7 +232,8 @@ Host Surroundings::host_in_cell(const Scene& scene, Index cell, const Vector<2>&
   for (std::size_t a = 0; a < 4; ++a) {
     const PetscInt node = scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cell)[a])];
     (void)host.add(node, weights[a]);
-    const double factor = cut ? xfem::set_factor(*cut, a, scene.sets->side_in(*cut, x)) : 0.0;
+    if (!cut) continue;
+    const double factor = xfem::set_factor(*cut, a, scene.sets->side_in(*cut, x));
     if (factor != 0.0) (void)host.cross(node, cut->sets[a], weights[a], factor);
   }
   return host;

@@ -10,6 +10,7 @@
 namespace pdx::io {
 namespace {
 constexpr double kLogInterval = 5.0;   // [s]
+constexpr double kBarInterval = 0.1;   // [s]
 constexpr std::size_t kBarLength = 24; // characters
 constexpr const char* kClearLine = "\r\x1b[2K";
 
@@ -80,14 +81,21 @@ void Progress::draw_bar(int step, int steps, std::string_view text)
   fmt::print(out_, "{}{}", kClearLine, shown);
   std::fflush(out_);
   bar_ = true;
+  last_line_ = now();
+}
+
+bool Progress::due(int step, int steps) const
+{
+  if (!out_) return false;
+  const bool last = steps > 0 && step >= steps;
+  return last || now() - last_line_ >= (terminal_ ? kBarInterval : interval_);
 }
 
 void Progress::step(int step, int steps, std::string_view text)
 {
   if (!out_) return;
   if (terminal_) return draw_bar(step, steps, text);
-  const bool last = steps > 0 && step >= steps;
-  if (!last && now() - last_line_ < interval_) return;
+  if (!due(step, steps)) return;
   last_line_ = now();
   fmt::print(out_, "step {}{}  {}{}\n", step, steps > 0 ? fmt::format("/{}", steps) : "", text, remaining(step, steps));
   std::fflush(out_);

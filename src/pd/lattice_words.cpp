@@ -132,8 +132,7 @@ template <int Dim> Broken LatticePart<Dim>::break_bonds(const Window& loaded, Br
   return broken;
 }
 
-template <int Dim>
-Broken LatticePart<Dim>::lose(std::span<const LostBond<Dim>> lost, Kinematics kinematics, field::ForceLosses* losses)
+template <int Dim> Broken LatticePart<Dim>::lose(LostBonds lost, Kinematics kinematics, field::ForceLosses* losses)
 {
   Broken broken;
   if (!lost.empty()) remember_volume();
@@ -290,8 +289,7 @@ template <int Dim> const std::vector<double>& LatticePart<Dim>::bonded_volume_no
     runs = segments_;
   } else {
     std::ranges::sort(thinned_);
-    const auto twice = std::ranges::unique(thinned_);
-    thinned_.erase(twice.begin(), twice.end());
+    thinned_.erase(std::unique(thinned_.begin(), thinned_.end()), thinned_.end());
     for (const std::ptrdiff_t i : thinned_)
       if (traits_[static_cast<std::size_t>(i)] & kOwned)
         runs.push_back({i, local_rows_[static_cast<std::size_t>(i)], 1, RunKind::partial});
@@ -337,7 +335,7 @@ template <int Dim> void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolu
   template void LatticePart<Dim>::protect(std::span<const geom::Box<2>>);                                              \
   template std::int64_t LatticePart<Dim>::cut(const crack::CrackSet&);                                                 \
   template Broken LatticePart<Dim>::break_bonds(const Window&, BreakRule);                                             \
-  template Broken LatticePart<Dim>::lose(std::span<const LostBond<Dim>>, Kinematics, field::ForceLosses*);             \
+  template Broken LatticePart<Dim>::lose(LostBonds, Kinematics, field::ForceLosses*);                                  \
   template void LatticePart<Dim>::overstretched(const Window&, BreakRule, std::vector<double>&) const;                 \
   template void LatticePart<Dim>::save();                                                                              \
   template void LatticePart<Dim>::restore();                                                                           \

@@ -40,7 +40,7 @@ Processor this_processor()
 Processor chosen_processor()
 {
   const char* wish = std::getenv("PDX_SIMD");
-  if (!wish) return this_processor();
+  if (!wish || !*wish) return this_processor();
   const Processor processor = named(wish);
   if (processor > this_processor())
     throw UserError(fmt::format("PDX_SIMD is {}, which this machine's processor does not have", wish));

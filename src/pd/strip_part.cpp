@@ -1,6 +1,7 @@
 #include "pdx/pd/strip_part.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace pdx::pd {
@@ -12,10 +13,9 @@ bool any_displaced(const double* u, std::ptrdiff_t count)
 {
   constexpr std::ptrdiff_t chunk = 32;
   for (std::ptrdiff_t k = 0; k < count; k += chunk) {
-    const std::ptrdiff_t end = std::min(count, k + chunk);
-    int any = 0;
-    for (std::ptrdiff_t i = k; i < end; ++i) any |= u[i] != 0.0;
-    if (any) return true;
+    std::uint64_t bits = 0;
+    for (std::ptrdiff_t i = k; i < std::min(count, k + chunk); ++i) bits |= std::bit_cast<std::uint64_t>(u[i]);
+    if (bits << 1) return true; // without the sign: -0 is 0
   }
   return false;
 }
@@ -72,13 +72,12 @@ template <int Dim> void StripPart<Dim>::load_piece(Piece& piece, const double* o
 {
   const double* from = owned + static_cast<std::ptrdiff_t>(piece.row) * Dim;
   const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(piece.length) * Dim;
-  const bool filled = any_displaced(from, count);
-  if (!filled && !piece.filled) return;
-  piece.filled = filled;
+  if (!piece.filled && !any_displaced(from, count)) return;
+  piece.filled = true;
   double* to = blocks_.data() + piece.at;
   for_each_entry<Dim>(lanes_, piece.length, [&](std::ptrdiff_t row, std::ptrdiff_t block) { to[block] = from[row]; });
   std::uint8_t& busy = busy_[static_cast<std::size_t>(piece.tile)];
-  if (!filled || busy) return;
+  if (busy) return;
   busy = std::any_of(from, from + count, [this](double u) { return !(std::abs(u) <= at_rest_); });
 }
 

@@ -102,11 +102,11 @@ void CrackTree::add(std::vector<Arrival> arrivals)
   std::vector<int> open = std::move(loose_);
   loose_.clear();
   for (const Arrival& arrival : arrivals) open.push_back(insert(arrival));
-  link(std::move(open));
+  link(open);
 }
 
 /// Shortest chains to the open points from those that hang on a start, whose own chains stay as they are.
-void CrackTree::link(std::vector<int> open)
+void CrackTree::link(const std::vector<int>& open)
 {
   using Reached = std::pair<double, int>;
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;

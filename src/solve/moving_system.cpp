@@ -81,6 +81,12 @@ double MovingSystem::stored_energy() const
   return sum;
 }
 
+template <std::size_t Dim> void MovingSystem::divide_by_mass(std::span<double> f) const
+{
+  for (std::size_t row = 0; row < inverse_mass_.size(); ++row)
+    for (std::size_t d = 0; d < Dim; ++d) f[row * Dim + d] *= -inverse_mass_[row];
+}
+
 void MovingSystem::accelerate(std::span<double> f) const
 {
   const auto dim = static_cast<std::size_t>(system.rows.dim);
@@ -90,8 +96,7 @@ void MovingSystem::accelerate(std::span<double> f) const
       far /= t.factor;
       f[static_cast<std::size_t>(t.row) * dim + d] -= far;
     }
-  for (std::size_t row = 0; row < inverse_mass_.size(); ++row)
-    for (std::size_t d = 0; d < dim; ++d) f[row * dim + d] *= -inverse_mass_[row];
+  dim == 2 ? divide_by_mass<2>(f) : divide_by_mass<3>(f);
   for (const field::Tie& t : ties_)
     for (std::size_t d = 0; d < dim; ++d) {
       double& set = f[static_cast<std::size_t>(t.set) * dim + d];
@@ -178,15 +183,27 @@ void MovingSystem::book()
   work_ += held_kinetic() - held_kinetic_before_;
 }
 
+/// m v.v of all rows, m a.a of all, m v.v of particles.
+template <std::size_t Dim> void MovingSystem::add_squares(std::span<const double> a, double (&sums)[3]) const
+{
+  const auto particles = static_cast<std::size_t>(system.rows.first_particle());
+  for (std::size_t row = 0; row < mass.size(); ++row) {
+    double vv = 0.0, aa = 0.0;
+    for (std::size_t i = row * Dim; i < (row + 1) * Dim; ++i) {
+      vv += v[i] * v[i];
+      aa += a[i] * a[i];
+    }
+    sums[0] += mass[row] * vv;
+    sums[1] += mass[row] * aa;
+    if (row >= particles) sums[2] += mass[row] * vv;
+  }
+}
+
 KineticEnergy MovingSystem::kinetic_energy(std::span<const double> a, double step) const
 {
   const auto dim = static_cast<std::size_t>(system.rows.dim);
-  double sums[2] = {0.0, 0.0};
-  for (std::size_t row = 0; row < mass.size(); ++row)
-    for (std::size_t i = row * dim; i < (row + 1) * dim; ++i) {
-      sums[0] += mass[row] * v[i] * v[i];
-      sums[1] += mass[row] * a[i] * a[i];
-    }
+  double sums[3] = {0.0, 0.0, 0.0};
+  dim == 2 ? add_squares<2>(a, sums) : add_squares<3>(a, sums);
   for (const field::Tie& t : ties_)
     for (std::size_t d = 0; d < dim; ++d) {
       const std::size_t i = static_cast<std::size_t>(t.row) * dim + d, s = static_cast<std::size_t>(t.set) * dim + d;
@@ -194,8 +211,8 @@ KineticEnergy MovingSystem::kinetic_energy(std::span<const double> a, double ste
       sums[0] += m * (far * far - v[s] * v[s]);
       sums[1] += m * (af * af - a[s] * a[s]);
     }
-  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, system.rows.comm);
-  return {0.5 * sums[0], step * step / 8.0 * sums[1]};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);
+  return {0.5 * sums[0], 0.5 * sums[2], step * step / 8.0 * sums[1]};
 }
 
 std::array<double, 3> MovingSystem::fastest_place() const

@@ -354,7 +354,8 @@ void StaticDriver::run(Vec u, const Accepted& accepted)
     const std::string where = fmt::format(
         "load step {} of {} failed at load {:.6g} ({}{} passes, {} changes): ", path.increment(), options_.load_steps,
         step.load, report_.halvings ? fmt::format("increment {:.3g}, ", path.size()) : "", step.passes, step.changes);
-    if (hopeless || !path.halve()) throw SolverFailure(where + (step.changes > 0 ? kUnstable : "") + why);
+    if (hopeless || !path.halve())
+      throw SolverFailure(fmt::format("{}{}{}", where, step.changes > 0 ? kUnstable : "", why));
     ++report_.halvings;
   }
 }

@@ -92,12 +92,19 @@ void refuse_junctions(const mesh::Mesh& mesh, std::span<const CellCut> cuts)
                               first.cracks[0] + 1, first.cracks[1] + 1, first.at[0], first.at[1]));
 }
 
+/// Those of one crack, of supports sorted by crack.
+template <class Support> std::span<Support> of_crack(std::span<Support> supports, int crack)
+{
+  const auto first = std::ranges::lower_bound(supports, crack, {}, &NodeSupport::crack);
+  return {first, std::ranges::upper_bound(first, supports.end(), crack, {}, &NodeSupport::crack)};
+}
+
 /// Verdicts and leans of nodes of other ranks, from the ranks that see their whole support. Collective.
 void take_owners_verdicts(const mesh::Mesh& mesh, int cracks, std::span<NodeSupport> supports)
 {
   std::vector<int> code(static_cast<std::size_t>(mesh.vertices())); // 2 verdict + lean
   for (int crack = 0; crack < cracks; ++crack) {
-    const auto own = std::ranges::equal_range(supports, crack, {}, &NodeSupport::crack);
+    const std::span<NodeSupport> own = of_crack(supports, crack);
     for (const NodeSupport& s : own)
       code[static_cast<std::size_t>(s.node)] = 2 * static_cast<int>(s.verdict) + static_cast<int>(s.lean);
     mesh::fill_halo(mesh, MPI_INT, 1, code.data());
@@ -158,7 +165,7 @@ void EnrichedSets::keep_sets(const Enrichment& enrichment)
   std::vector<int> side(vertices); // of a set, -1 for none
   for (int crack = 0; crack < cracks_.size(); ++crack) {
     std::ranges::fill(side, -1);
-    for (const NodeSupport& s : std::ranges::equal_range(enrichment.nodes, crack, {}, &NodeSupport::crack))
+    for (const NodeSupport& s : of_crack(std::span(enrichment.nodes), crack))
       side[static_cast<std::size_t>(s.node)] = static_cast<int>(s.side);
     mesh::fill_halo(mesh_, MPI_INT, 1, side.data());
     for (std::size_t v = 0; v < vertices; ++v)

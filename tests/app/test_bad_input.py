@@ -356,13 +356,15 @@ def run_all(cases):
 class ThroughTheProgram(unittest.TestCase):
     """Every failure is reported, not only the first."""
 
+    CASES, GOOD = CASES, GOOD
+
     def test_runs_that_are_right_succeed(self):
-        for case, ranks, (status, _, lines) in run_all(GOOD):
+        for case, ranks, (status, _, lines) in run_all(self.GOOD):
             with self.subTest(case=case.name, ranks=ranks):
                 self.assertEqual((status, lines), (0, []))
 
     def test_mistakes_end_with_status_1_and_one_line(self):
-        for case, ranks, (status, out, lines) in run_all(CASES):
+        for case, ranks, (status, out, lines) in run_all(self.CASES):
             with self.subTest(case=case.name, ranks=ranks):
                 self.assertIsNotNone(status, f"still running after {TIMEOUT} s; stderr: {lines}")
                 self.assertEqual(status, 1, f"stderr: {lines}")

@@ -227,6 +227,8 @@ class Restart(program.ProgramTest):
             ({"-material_young": "2e9"}, 'of another scene, which has "material = E 1000000000 '),
             ({"-pd_spacing": "0.002"}, "of another scene"),
             ({"-crack_notch_points": "0,0.02,0.04,0.02"}, 'this one has "crack 1 = (0, 0.02) (0.04, 0.02)"'),
+            ({"-bc_names": "top,bottom,left", "-bc_left_on": "left", "-bc_left_displacement": "0,free"},
+             'of another scene, which has "held components = '),
             ({"-pd_critical_stretch": None}, 'of another scene, which has "critical stretch = 0.01"'),
             ({"-ts_dt": "1e-7"}, "-ts_dt is 1e-07, but the steps of"),
             ({"-restart": "nowhere.h5"}, "cannot read 'nowhere.h5': there is no such file"),

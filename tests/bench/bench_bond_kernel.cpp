@@ -49,7 +49,7 @@ template <class Kernel> void measure(benchmark::State& state, pd::RunKind kind, 
 {
   Square square(kind, law::Micromodulus::conical);
   const pd::BondView<2> view = square.view();
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     kernel(view, square);
     benchmark::ClobberMemory();
   }
@@ -100,7 +100,7 @@ void neighbour_list(benchmark::State& state)
       first.push_back(bonds.size());
     }
   const double *ux = square.u[0].data(), *uy = square.u[1].data();
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     for (std::size_t row = 0; row + 1 < first.size(); ++row) {
       double fx = 0.0, fy = 0.0;
       for (std::size_t b = first[row]; b < first[row + 1]; ++b) {

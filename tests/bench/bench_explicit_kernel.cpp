@@ -84,7 +84,7 @@ template <int Dim> void strips(benchmark::State& state, Size<Dim> size, Processo
   pd::StripPart<Dim> strip(*body.part, Kinematics::finite, processor);
   strip.watch(kCritical);
   strip.load(body.u);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     strip.add_force(body.r.data());
     benchmark::ClobberMemory();
   }
@@ -95,7 +95,7 @@ template <int Dim> void neighbour_list(benchmark::State& state, Size<Dim> size)
 {
   Body<Dim> body(size);
   body.list_neighbours();
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     benchmark::DoNotOptimize(
         pd::add_csr_force<Dim>(body.list(), Kinematics::finite, kCritical, body.u.data(), body.r.data()));
     benchmark::ClobberMemory();
@@ -107,7 +107,7 @@ template <int Dim> void gathered_list(benchmark::State& state, Size<Dim> size)
 {
   Body<Dim> body(size);
   body.list_neighbours();
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     benchmark::DoNotOptimize(pd::add_gathered_force<Dim>(pd::this_processor(), body.list(), Kinematics::finite,
                                                          kCritical, body.u.data(), body.r.data()));
     benchmark::ClobberMemory();
@@ -122,7 +122,7 @@ template <int Dim> void whole_step(benchmark::State& state, Size<Dim> size)
   pd::StripPart<Dim> strip(*body.part, Kinematics::finite);
   strip.watch(kCritical);
   const double step = 1e-25, per_mass = 1.0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     std::fill(body.r.begin(), body.r.end(), 0.0);
     strip.load(body.u);
     strip.add_force(body.r.data());
@@ -139,7 +139,7 @@ template <int Dim> void whole_step(benchmark::State& state, Size<Dim> size)
 __attribute__((optimize("no-tree-vectorize"))) void root_and_division(benchmark::State& state)
 {
   std::vector<double> x(1024, 1.5), y(1024, 0.5);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     for (std::size_t k = 0; k < x.size(); ++k) y[k] = 0.3 / (x[k] + std::sqrt(x[k]));
     benchmark::ClobberMemory();
   }

@@ -44,6 +44,9 @@ struct Model {
 /// The cracks that are there from the start. Throws UserError for one that is nowhere in the body.
 crack::CrackSet cracks_in(const std::vector<crack::Polyline>& lines, const geom::Box<2>& body);
 
+/// Throws UserError for a zone without failure that is nowhere in the body.
+void judge_no_fail(const std::vector<geom::Box<2>>& zones, const geom::Box<2>& body);
+
 /// Critical stretch of the bonds of a stencil, by toughness or as given [-].
 template <int Dim> double critical_stretch(const SceneOptions& options, const pd::Stencil<Dim>& stencil);
 

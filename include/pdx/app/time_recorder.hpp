@@ -42,9 +42,9 @@ private:
   bool told(const solve::TimeDriver& driver) const;
   void count(const MotionEnergies& energies);
   void count_seconds(double output_begin);
-  void look(const solve::TimeDriver& driver);
+  MotionEnergies look(const solve::TimeDriver& driver);
   void write_history(const solve::TimeDriver& driver, const MotionEnergies& energies);
-  void write_results(const solve::TimeDriver& driver);
+  void write_results(const solve::TimeDriver& driver, const MotionEnergies& e);
   void write_tiles();
   void print_phases(const solve::TimeDriver& driver);
   bool fields_due(const solve::TimeDriver& driver);

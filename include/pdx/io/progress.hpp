@@ -24,6 +24,8 @@ public:
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  /// False if a word about step `step` of `steps` is too soon, and not worth its text.
+  bool due(int step, int steps) const;
   /// Step `step` (from 1) of `steps` is done; `steps` 0 if unknown. `text` says what matters now.
   void step(int step, int steps, std::string_view text);
   /// A line that stays: a notice between steps.

@@ -84,9 +84,10 @@ public:
   std::int64_t cut(const crack::CrackSet& cracks);
   /// Breaks all bonds that are overstretched at a loaded window; `rule.no_fail` is replaced by what `protect` said.
   Broken break_bonds(const Window& loaded, BreakRule rule);
+  using LostBonds = std::span<const LostBond<Dim>>;
   /// Takes out bonds that another layout of the same part found overstretched, in time that grows with their number.
   /// @param losses if not null, their forces on owned rows are appended
-  Broken lose(std::span<const LostBond<Dim>> lost, Kinematics kinematics, field::ForceLosses* losses = nullptr);
+  Broken lose(LostBonds lost, Kinematics kinematics, field::ForceLosses* losses = nullptr);
   bool protects_any() const { return !no_fail_.empty(); }
   /// True if `protect` keeps the bond along half arm `arm` of the site with window index `at`.
   bool protects(std::ptrdiff_t at, std::size_t arm) const

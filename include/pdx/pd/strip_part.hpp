@@ -56,7 +56,7 @@ private:
     std::ptrdiff_t at; ///< of the first one's first component in the blocks
     Index row, length;
     int tile;
-    bool filled; ///< its displacements are not all 0
+    bool filled; ///< its displacements were not always all 0
   };
   struct Spot {
     std::ptrdiff_t vector, line;

@@ -73,7 +73,7 @@ private:
   std::uint64_t key(Index patch, Index site) const;
   int insert(const Arrival& arrival);
   void seed(Point& point, const TreeGround& ground);
-  void link(std::vector<int> open);
+  void link(const std::vector<int>& open);
   std::vector<int> farthest_first(int start) const;
   std::vector<GrownTip> tips_of(int start) const;
   GrownTip tip_at(int point) const;

@@ -12,7 +12,7 @@ public:
   explicit ImplicitDriver(field::System& system);
 
   std::span<const double> acceleration() const override { return acceleration_; }
-  KineticEnergy kinetic_energy() const override { return {moving_.kinetic_energy(acceleration_, 0.0).moving, 0.0}; }
+  KineticEnergy kinetic_energy() const override { return moving_.kinetic_energy(acceleration_, 0.0); }
   int assemblies() const { return tangent_.assemblies(); }
 
 private:

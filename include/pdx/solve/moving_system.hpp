@@ -4,7 +4,8 @@
 namespace pdx::solve {
 /// Sums over all ranks. [J]
 struct KineticEnergy {
-  double moving = 0.0; ///< 1/2 v.M v
+  double moving = 0.0;    ///< 1/2 v.M v
+  double particles = 0.0; ///< its part in the particles
   /// dt^2/8 a.M a of what is free. In a linear scene it is moving + strain energy - this that central differences
   /// balance against the work to the last digits: an oscillation of the scheme, not of the body.
   double scheme = 0.0;
@@ -61,6 +62,8 @@ private:
     std::vector<double> force, force_before; // [N]
     std::vector<double> u_before;            // [m]
   };
+  template <std::size_t Dim> void divide_by_mass(std::span<double> f) const;
+  template <std::size_t Dim> void add_squares(std::span<const double> a, double (&sums)[3]) const;
   double held_kinetic() const;
   void load_at(double time);
 

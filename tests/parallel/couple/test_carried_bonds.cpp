@@ -61,7 +61,7 @@ struct Ring {
     EXPECT_NEAR(sum(total), 0.0, 1e-15);
     return -sum(rank == 0 ? r[0] : 0.0);
   }
-  pd::Broken break_at(double stretch, std::vector<double> critical)
+  pd::Broken break_at(double stretch, const std::vector<double>& critical)
   {
     std::vector<pd::BreakRule> rules;
     for (const double s0 : critical) rules.push_back({pd::Kinematics::linear, s0, nullptr});

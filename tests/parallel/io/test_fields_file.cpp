@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <map>
@@ -52,8 +53,8 @@ OutputBlock mesh(const World& world)
   for (int i = 0; i < kColumns * kRows; ++i) {
     if (world.owner(i) != world.rank) continue;
     block.natural_point.push_back(i);
-    block.points.insert(block.points.end(),
-                        {static_cast<double>(i % kColumns), static_cast<double>(i / kColumns), 0.0});
+    const int column = i % kColumns, row = i / kColumns;
+    block.points.insert(block.points.end(), {1.0 * column, 1.0 * row, 0.0});
     displacement.values.insert(displacement.values.end(), {1.0 * i, 2.0 * i, 0.0});
   }
   const std::vector<int> order = world.order(kColumns * kRows);
@@ -126,7 +127,8 @@ public:
     EXPECT_GE(H5Aread(attribute, type, value.data()), 0);
     H5Tclose(type);
     H5Aclose(attribute);
-    return value.c_str();
+    value.resize(std::strlen(value.data())); // padded by 0
+    return value;
   }
 
 private:

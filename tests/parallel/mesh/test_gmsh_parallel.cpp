@@ -106,8 +106,8 @@ TEST(MeshFile, NaturalNumbersFollowTheFile)
     EXPECT_EQ(mesh.point(v), pdx::Vector<2>(number / (n + 1), number % (n + 1)));
   }
   for (Index c = 0; c < mesh.cells(); ++c) {
-    const Index number = mesh.natural_cell(c);
-    EXPECT_LT((mesh.centroid(c) - pdx::Vector<2>(number / n + 0.5, number % n + 0.5)).norm(), 1e-14);
+    const Index number = mesh.natural_cell(c), column = number / n, row = number % n;
+    EXPECT_LT((mesh.centroid(c) - pdx::Vector<2>(column + 0.5, row + 0.5)).norm(), 1e-14);
   }
   EXPECT_EQ(owned_edges(mesh, "pull"), n);
   EXPECT_EQ(owned_edges(mesh, "unnamed"), 3 * n);
