@@ -2,7 +2,7 @@
 
 #include "pdx/base/error.hpp"
 #include "pdx/io/agree.hpp"
-#include "pdx/io/hdf5_id.hpp"
+#include "pdx/io/hdf5_slab.hpp"
 
 #include <array>
 #include <cerrno>
@@ -12,13 +12,6 @@
 
 namespace pdx::io {
 namespace {
-herr_t keep_deepest(unsigned, const H5E_error2_t* error, void* text)
-{
-  std::string& reason = *static_cast<std::string*>(text);
-  if (reason.empty() && error->desc) reason = error->desc;
-  return 0;
-}
-
 /// Why the operating system would not let rank 0 create the file, "" if it does.
 std::string creation_obstacle(MPI_Comm comm, const std::filesystem::path& path)
 {
@@ -51,13 +44,6 @@ hid_t with_parents()
   return list;
 }
 } // namespace
-
-std::string hdf5_reason()
-{
-  std::string reason;
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_deepest, &reason);
-  return reason.empty() ? "HDF5 gives no reason" : reason;
-}
 
 Hdf5File::Hdf5File(MPI_Comm comm, std::filesystem::path path, Mode mode) : comm_(comm), path_(std::move(path))
 {
@@ -119,28 +105,20 @@ void Hdf5File::write_slab(const std::string& path, const void* slab, std::size_t
   MPI_Exscan(&mine, &before, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm_);
   MPI_Allreduce(&mine, &all, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, comm_);
   const auto columns = static_cast<hsize_t>(components);
-  const std::array<hsize_t, 2> total{all, columns}, count{rows, columns}, start{before, 0};
+  const std::array<hsize_t, 2> total{all, columns};
 
   const Hdf5Id parents(with_parents(), H5Pclose);
   const Hdf5Id creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
   H5Pset_obj_track_times(creation, false);
-  const Hdf5Id in_file(H5Screate_simple(2, total.data(), nullptr), H5Sclose);
-  const Hdf5Id set(H5Dcreate2(file_, path.c_str(), types.file, in_file, parents, creation, H5P_DEFAULT), H5Dclose);
+  const Hdf5Id whole(H5Screate_simple(2, total.data(), nullptr), H5Sclose);
+  const Hdf5Id set(H5Dcreate2(file_, path.c_str(), types.file, whole, parents, creation, H5P_DEFAULT), H5Dclose);
   agree(set.valid(), path);
   if (all == 0) return;
 
-  const Hdf5Id in_memory(H5Screate_simple(2, count.data(), nullptr), H5Sclose);
-  if (rows)
-    H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
-  else {
-    H5Sselect_none(in_file);
-    H5Sselect_none(in_memory);
-  }
-  const Hdf5Id transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
-  H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
+  const Hdf5Slab here(set, before, rows, columns);
   const double nothing = 0.0;
-  agree(H5Dwrite(set, types.memory, in_memory, in_file, transfer, rows ? slab : &nothing) >= 0, path);
+  agree(H5Dwrite(set, types.memory, here.in_memory, here.in_file, here.transfer, rows ? slab : &nothing) >= 0, path);
 }
 
 void Hdf5File::attribute(const std::string& object, const std::string& name, double value)

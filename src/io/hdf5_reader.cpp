@@ -2,7 +2,7 @@
 
 #include "pdx/base/error.hpp"
 #include "pdx/io/agree.hpp"
-#include "pdx/io/hdf5_id.hpp"
+#include "pdx/io/hdf5_slab.hpp"
 
 #include <vector>
 
@@ -80,20 +80,10 @@ void Hdf5Reader::read_slab(const std::string& path, std::array<std::int64_t, 4> 
                                                                                " x " + std::to_string(columns) +
                                                                                " numbers, too few or of another kind");
   if (rows == 0) return;
-  const std::array<hsize_t, 2> start{static_cast<hsize_t>(slab[0]), 0},
-      count{static_cast<hsize_t>(slab[2]), static_cast<hsize_t>(slab[3])};
   const Hdf5Id set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose);
-  const Hdf5Id in_file(H5Dget_space(set), H5Sclose), in_memory(H5Screate_simple(2, count.data(), nullptr), H5Sclose);
-  if (slab[2])
-    H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
-  else {
-    H5Sselect_none(in_file);
-    H5Sselect_none(in_memory);
-  }
-  const Hdf5Id transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
-  H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
+  const Hdf5Slab here(set, static_cast<hsize_t>(slab[0]), static_cast<hsize_t>(slab[2]), static_cast<hsize_t>(slab[3]));
   double nothing = 0.0;
-  const bool ok = H5Dread(set, type, in_memory, in_file, transfer, slab[2] ? values : &nothing) >= 0;
+  const bool ok = H5Dread(set, type, here.in_memory, here.in_file, here.transfer, slab[2] ? values : &nothing) >= 0;
   require(ok, ok ? "" : path + ": " + hdf5_reason());
 }
 

@@ -1,8 +1,8 @@
 #include "pdx/io/snapshot.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/base/hdf5_id.hpp"
 #include "pdx/io/agree.hpp"
-#include "pdx/io/hdf5_id.hpp"
 #include "pdx/io/xdmf.hpp"
 
 #include <array>

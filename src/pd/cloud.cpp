@@ -1,13 +1,13 @@
 #include "pdx/pd/cloud.hpp"
 
 #include "pdx/base/error.hpp"
+#include "pdx/base/hdf5_id.hpp"
 
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>
-#include <hdf5.h>
 #include <string>
 #include <string_view>
 
@@ -69,23 +69,6 @@ template <int Dim> Cloud<Dim> read_csv(const std::filesystem::path& path)
   return cloud;
 }
 
-/// Closes an HDF5 object.
-class Object {
-public:
-  Object(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Object()
-  {
-    if (id_ >= 0) close_(id_);
-  }
-  Object(const Object&) = delete;
-  Object& operator=(const Object&) = delete;
-  hid_t id() const { return id_; }
-
-private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
 /// Reads a dataset with `width` numbers per particle; [particles] is as good as [particles x 1].
 template <class Number>
 std::vector<Number> read_dataset(hid_t file, const char* name, hsize_t width, hid_t type, const std::string& path)
@@ -93,22 +76,22 @@ std::vector<Number> read_dataset(hid_t file, const char* name, hsize_t width, hi
   const auto refuse = [&](const std::string& why) {
     return UserError(fmt::format("particles: dataset '{}' of '{}' {}", name, path, why));
   };
-  const Object set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
-  if (set.id() < 0) throw refuse("is missing");
-  const Object space(H5Dget_space(set.id()), H5Sclose);
+  const Hdf5Id set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
+  if (!set.valid()) throw refuse("is missing");
+  const Hdf5Id space(H5Dget_space(set), H5Sclose);
   hsize_t extent[2] = {0, 1};
-  const int rank = H5Sget_simple_extent_ndims(space.id());
-  if (rank == 1 || rank == 2) H5Sget_simple_extent_dims(space.id(), extent, nullptr);
+  const int rank = H5Sget_simple_extent_ndims(space);
+  if (rank == 1 || rank == 2) H5Sget_simple_extent_dims(space, extent, nullptr);
   if ((rank != 1 && rank != 2) || extent[1] != width)
     throw refuse(fmt::format("must have the shape [particles x {}]", width));
   std::vector<Number> values(extent[0] * width);
-  if (H5Dread(set.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) throw refuse("cannot be read");
+  if (H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) throw refuse("cannot be read");
   return values;
 }
 
 template <int Dim> Cloud<Dim> read_open_hdf5(hid_t id, const std::string& path)
 {
-  const Object file(id, H5Fclose);
+  const Hdf5Id file(id, H5Fclose);
   if (id < 0) throw UserError(fmt::format("particles: cannot read the file '{}' as HDF5", path));
   const auto positions = read_dataset<double>(id, "position", Dim, H5T_NATIVE_DOUBLE, path);
   Cloud<Dim> cloud;

@@ -1,8 +1,7 @@
 #pragma once
 #include <hdf5.h>
-#include <string>
 
-namespace pdx::io {
+namespace pdx {
 /// Closes an HDF5 identifier at the end of its block.
 class Hdf5Id {
 public:
@@ -20,7 +19,4 @@ private:
   hid_t id_;
   herr_t (*close_)(hid_t);
 };
-
-/// What HDF5 says about its last failed call.
-std::string hdf5_reason();
-} // namespace pdx::io
+} // namespace pdx
