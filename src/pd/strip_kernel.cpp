@@ -195,72 +195,64 @@ private:
 namespace {
 /// Every component of both halves of the ghost columns of one line: visit(ghost lane 0, lane 0 of its twin, shift),
 /// where lane l of the ghost is lane l + shift of the twin.
-template <int W, class Visit> PDX_INLINE void for_each_ghost(double* line, const StripLines& at, int parts, Visit visit)
+template <int W, int Dim, class Visit> PDX_INLINE void for_each_ghost(double* line, const StripLines& at, Visit visit)
 {
+  constexpr int block = StripView<Dim>::kParts * W;
   for (int c = 0; c < at.ghosts; ++c) {
-    visit(line + (at.ghosts + at.columns + c) * parts * W, line + (at.ghosts + c) * parts * W, 1);
-    visit(line + c * parts * W, line + (at.columns + c) * parts * W, -1);
+    visit(line + (at.ghosts + at.columns + c) * block, line + (at.ghosts + c) * block, 1);
+    visit(line + c * block, line + (at.columns + c) * block, -1);
   }
 }
 
+/// What is done to one line.
 template <int Dim> struct FillGhosts {
-  double* blocks;
-  const StripLines& at;
-  template <int W> PDX_INLINE void run() const
+  template <int W> static PDX_INLINE void on(double* line, const StripLines& at)
   {
-    constexpr int parts = StripView<Dim>::kParts;
-    for (const std::ptrdiff_t line : at.lines)
-      for_each_ghost<W>(blocks + line * at.pitch() * parts * W, at, parts,
-                        [](double* ghost, const double* twin, int shift) {
-                          for (int d = 0; d < Dim; ++d)
-                            for (int l = 0; l < W - 1; ++l)
-                              ghost[d * W + l + (shift < 0)] = twin[d * W + l + (shift > 0)];
-                        });
+    for_each_ghost<W, Dim>(line, at, [](double* ghost, const double* twin, int shift) {
+      for (int d = 0; d < Dim; ++d)
+        for (int l = 0; l < W - 1; ++l) ghost[d * W + l + (shift < 0)] = twin[d * W + l + (shift > 0)];
+    });
   }
 };
-
 template <int Dim> struct FoldGhosts {
-  double* blocks;
-  const StripLines& at;
-  template <int W> PDX_INLINE void run() const
+  template <int W> static PDX_INLINE void on(double* line, const StripLines& at)
   {
-    constexpr int parts = StripView<Dim>::kParts;
-    for (const std::ptrdiff_t line : at.lines)
-      for_each_ghost<W>(blocks + line * at.pitch() * parts * W, at, parts,
-                        [](const double* ghost, double* twin, int shift) {
-                          for (int d = Dim; d < parts; ++d)
-                            for (int l = 0; l < W - 1; ++l)
-                              twin[d * W + l + (shift > 0)] += ghost[d * W + l + (shift < 0)];
-                        });
+    for_each_ghost<W, Dim>(line, at, [](const double* ghost, double* twin, int shift) {
+      for (int d = Dim; d < StripView<Dim>::kParts; ++d)
+        for (int l = 0; l < W - 1; ++l) twin[d * W + l + (shift > 0)] += ghost[d * W + l + (shift < 0)];
+    });
+  }
+};
+template <int Dim> struct ClearForces {
+  template <int W> static PDX_INLINE void on(double* block, const StripLines& at)
+  {
+    for (std::ptrdiff_t c = 0; c < at.pitch(); ++c, block += StripView<Dim>::kParts * W)
+      for (int d = Dim; d < StripView<Dim>::kParts; ++d) store<W>(Lanes<W>{}, block + d * W);
   }
 };
 
-template <int Dim> struct ClearForces {
+template <int Dim, template <int> class Operation> struct EachLine {
   double* blocks;
   const StripLines& at;
   template <int W> PDX_INLINE void run() const
   {
-    constexpr int parts = StripView<Dim>::kParts;
-    for (const std::ptrdiff_t line : at.lines) {
-      double* block = blocks + line * at.pitch() * parts * W;
-      for (std::ptrdiff_t c = 0; c < at.pitch(); ++c, block += parts * W)
-        for (int d = Dim; d < parts; ++d) store<W>(Lanes<W>{}, block + d * W);
-    }
+    for (const std::ptrdiff_t line : at.lines)
+      Operation<Dim>::template on<W>(blocks + line * at.pitch() * StripView<Dim>::kParts * W, at);
   }
 };
 } // namespace
 
 template <int Dim> void fill_ghosts(Processor processor, double* blocks, const StripLines& at)
 {
-  run_on(processor, FillGhosts<Dim>{blocks, at});
+  run_on(processor, EachLine<Dim, FillGhosts>{blocks, at});
 }
 template <int Dim> void fold_ghosts(Processor processor, double* blocks, const StripLines& at)
 {
-  run_on(processor, FoldGhosts<Dim>{blocks, at});
+  run_on(processor, EachLine<Dim, FoldGhosts>{blocks, at});
 }
 template <int Dim> void clear_forces(Processor processor, double* blocks, const StripLines& at)
 {
-  run_on(processor, ClearForces<Dim>{blocks, at});
+  run_on(processor, EachLine<Dim, ClearForces>{blocks, at});
 }
 
 template <int Dim>
