@@ -80,12 +80,9 @@ double domain_j(const fem::ElasticBody& body, const crack::Tip& tip, const Domai
   count(mesh::Use::plain, [&](Index c, const Eigen::Vector4d& q) {
     const fem::Corners corners = body.mesh.corners(c);
     const fem::ElementVector values = corner_values(body.mesh, c, u);
-    const fem::Gradients points = fem::gauss_points();
     double sum = 0.0;
-    for (int g = 0; g < 4; ++g) {
-      const fem::CellPoint at = fem::map_point(corners, points.col(g));
-      sum += at.jacobian * integrand(body, at.gradients, values, q, tip.direction);
-    }
+    for (const fem::QuadraturePoint& at : fem::gauss_rule(corners))
+      sum += at.area * integrand(body, at.gradients, values, q, tip.direction);
     return sum;
   });
   std::vector<PartOfCell> of_cell;

@@ -17,7 +17,7 @@ std::vector<PartPoint> polygon_points(const fem::Corners& corners, const geom::P
   std::vector<PartPoint> points;
   for (const auto& [x, weight] : geom::quadrature(part)) {
     const Vector<2> xi = reference_point(corners, x);
-    points.push_back({fem::map_point(corners, xi).gradients, weight, fem::shape(xi)});
+    points.push_back({{fem::map_point(corners, xi).gradients, weight}, fem::shape(xi)});
   }
   return points;
 }
@@ -38,7 +38,7 @@ CutCell cut_by_grid(const fem::Corners& corners, const CornerDistances& distance
       const fem::CellPoint at = fem::map_point(corners, xi);
       const Eigen::Vector4d shape = fem::shape(xi);
       const double here = shape.dot(Eigen::Map<const Eigen::Vector4d>(distance.data()));
-      cell.parts[static_cast<std::size_t>(side_of(here))].push_back({at.gradients, at.jacobian * side * side, shape});
+      cell.parts[static_cast<std::size_t>(side_of(here))].push_back({{at.gradients, at.jacobian * side * side}, shape});
     }
   return cell;
 }
@@ -53,10 +53,8 @@ CutCell whole_cell(const fem::Corners& corners, Side side)
 {
   CutCell cell;
   const fem::Gradients points = fem::gauss_points();
-  for (int g = 0; g < 4; ++g) {
-    const fem::CellPoint at = fem::map_point(corners, points.col(g));
-    cell.parts[static_cast<std::size_t>(side)].push_back({at.gradients, at.jacobian, fem::shape(points.col(g))});
-  }
+  for (int g = 0; const fem::QuadraturePoint& at : fem::gauss_rule(corners))
+    cell.parts[static_cast<std::size_t>(side)].push_back({at, fem::shape(points.col(g++))});
   return cell;
 }
 

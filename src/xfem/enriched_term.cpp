@@ -127,7 +127,7 @@ void EnrichedTerm::add_stiffness_bound(std::span<double> blocks) const
 {
   for_each_side([&](std::span<const PartPoint> points, const std::array<Index, 4>& rows) {
     const double bound =
-        largest_eigenvalue(part_tangent(points, fem::ElementVector::Zero(), law_, fem::Kinematics::small));
+        largest_eigenvalue(fem::part_tangent(points, fem::ElementVector::Zero(), law_, fem::Kinematics::small));
     for (const Index row : rows)
       if (row < owned_rows_)
         for (const std::size_t diagonal : {0, 3}) blocks[4 * static_cast<std::size_t>(row) + diagonal] += bound;

@@ -42,34 +42,33 @@ inline PointStrain point_strain(const Gradients& gradients, const ElementVector&
   return p;
 }
 
-/// Internal force f = int B^T C E t dA [N], the gradient of `element_energy`.
-inline ElementVector element_force(const Corners& corners, const ElementVector& displacement, const law::Elastic& law,
-                                   Kinematics kinematics)
+/// Internal force int B^T C E t dA [N], the gradient of `part_energy`.
+/// @param points a range of QuadraturePoint (or what derives from it): all of an element, or a part
+template <class Points>
+ElementVector part_force(const Points& points, const ElementVector& displacement, const law::Elastic& law,
+                         Kinematics kinematics)
 {
   const Eigen::Matrix3d stiffness = law.stiffness();
-  const Gradients points = gauss_points();
   ElementVector force = ElementVector::Zero();
-  for (int g = 0; g < 4; ++g) {
-    const CellPoint at = map_point(corners, points.col(g));
+  for (const QuadraturePoint& at : points) {
     const PointStrain p = point_strain(at.gradients, displacement, kinematics);
     const Eigen::Vector3d stress = stiffness * p.strain; // second Piola-Kirchhoff [Pa]
-    force.noalias() += at.jacobian * law.thickness * (p.variation.transpose() * stress);
+    force.noalias() += at.area * law.thickness * (p.variation.transpose() * stress);
   }
   return force;
 }
 
-/// Tangent k = int (B^T C B + stress part) t dA [N/m], the derivative of `element_force`; symmetric. The stress part
-/// is grad N_a . S grad N_b on the diagonal of block (a, b) for finite kinematics, none for small.
-inline ElementMatrix element_tangent(const Corners& corners, const ElementVector& displacement, const law::Elastic& law,
-                                     Kinematics kinematics)
+/// Tangent int (B^T C B + stress part) t dA [N/m], the derivative of `part_force`; symmetric. The stress part is
+/// grad N_a . S grad N_b on the diagonal of block (a, b) for finite kinematics, none for small.
+template <class Points>
+ElementMatrix part_tangent(const Points& points, const ElementVector& displacement, const law::Elastic& law,
+                           Kinematics kinematics)
 {
   const Eigen::Matrix3d stiffness = law.stiffness();
-  const Gradients points = gauss_points();
   ElementMatrix tangent = ElementMatrix::Zero();
-  for (int g = 0; g < 4; ++g) {
-    const CellPoint at = map_point(corners, points.col(g));
+  for (const QuadraturePoint& at : points) {
     const PointStrain p = point_strain(at.gradients, displacement, kinematics);
-    const double volume = at.jacobian * law.thickness;
+    const double volume = at.area * law.thickness;
     tangent.noalias() += p.variation.transpose() * (volume * stiffness) * p.variation;
     if (kinematics == Kinematics::small) continue;
     const Eigen::Vector3d s = stiffness * p.strain;
@@ -82,18 +81,34 @@ inline ElementMatrix element_tangent(const Corners& corners, const ElementVector
 }
 
 /// Strain energy int 1/2 E . C E t dA [J].
+template <class Points>
+double part_energy(const Points& points, const ElementVector& displacement, const law::Elastic& law,
+                   Kinematics kinematics)
+{
+  const Eigen::Matrix3d stiffness = law.stiffness();
+  double energy = 0.0;
+  for (const QuadraturePoint& at : points) {
+    const Eigen::Vector3d strain = point_strain(at.gradients, displacement, kinematics).strain;
+    energy += 0.5 * at.area * law.thickness * strain.dot(stiffness * strain);
+  }
+  return energy;
+}
+
+/// The same of a whole element.
+inline ElementVector element_force(const Corners& corners, const ElementVector& displacement, const law::Elastic& law,
+                                   Kinematics kinematics)
+{
+  return part_force(gauss_rule(corners), displacement, law, kinematics);
+}
+inline ElementMatrix element_tangent(const Corners& corners, const ElementVector& displacement, const law::Elastic& law,
+                                     Kinematics kinematics)
+{
+  return part_tangent(gauss_rule(corners), displacement, law, kinematics);
+}
 inline double element_energy(const Corners& corners, const ElementVector& displacement, const law::Elastic& law,
                              Kinematics kinematics)
 {
-  const Eigen::Matrix3d stiffness = law.stiffness();
-  const Gradients points = gauss_points();
-  double energy = 0.0;
-  for (int g = 0; g < 4; ++g) {
-    const CellPoint at = map_point(corners, points.col(g));
-    const Eigen::Vector3d strain = point_strain(at.gradients, displacement, kinematics).strain;
-    energy += 0.5 * at.jacobian * law.thickness * strain.dot(stiffness * strain);
-  }
-  return energy;
+  return part_energy(gauss_rule(corners), displacement, law, kinematics);
 }
 
 /// Areas int N_a dA of the corners, the row sums of int N_a N_b dA [m^2]; exact, equal quarters for parallelograms.

@@ -47,4 +47,22 @@ inline CellPoint map_point(const Corners& corners, const Vector<2>& xi)
   for (int a = 0; a < 4; ++a) dx_dxi += corners[static_cast<std::size_t>(a)] * g.col(a).transpose();
   return {dx_dxi.inverse().transpose() * g, dx_dxi.determinant()};
 }
+
+/// A point at which a cell, or a part of one, is integrated.
+struct QuadraturePoint {
+  Gradients gradients; ///< dN_a / dx [1/m]
+  double area;         ///< its weight [m^2]
+};
+
+/// The 2 x 2 Gauss points of a whole cell, in the order of the corners they are next to.
+inline std::array<QuadraturePoint, 4> gauss_rule(const Corners& corners)
+{
+  std::array<QuadraturePoint, 4> rule;
+  const Gradients points = gauss_points();
+  for (int g = 0; g < 4; ++g) {
+    const CellPoint at = map_point(corners, points.col(g));
+    rule[static_cast<std::size_t>(g)] = {at.gradients, at.jacobian};
+  }
+  return rule;
+}
 } // namespace pdx::fem

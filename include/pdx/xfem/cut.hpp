@@ -19,10 +19,8 @@ constexpr int kGridSubcells = 32;
 using CornerDistances = std::array<double, 4>;
 
 /// A point of a cut cell.
-struct PartPoint {
-  fem::Gradients gradients; ///< dN_a / dx [1/m]
-  double area;              ///< its weight [m^2]
-  Eigen::Vector4d shape;    ///< N_a [-]
+struct PartPoint : fem::QuadraturePoint {
+  Eigen::Vector4d shape; ///< N_a [-]
 };
 
 /// Quadrature points of a cell, by side of the crack. Reference geometry only.

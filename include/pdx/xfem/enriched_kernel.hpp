@@ -38,53 +38,6 @@ inline SideMap side_map(const EnrichedElement& element, Side side)
   return map;
 }
 
-/// Force of the part of an element that `points` fill, moving with the field of `displacement`: int B^T C E t dA [N].
-inline fem::ElementVector part_force(std::span<const PartPoint> points, const fem::ElementVector& displacement,
-                                     const law::Elastic& law, fem::Kinematics kinematics)
-{
-  const Eigen::Matrix3d stiffness = law.stiffness();
-  fem::ElementVector force = fem::ElementVector::Zero();
-  for (const PartPoint& at : points) {
-    const fem::PointStrain p = fem::point_strain(at.gradients, displacement, kinematics);
-    const Eigen::Vector3d stress = stiffness * p.strain; // second Piola-Kirchhoff [Pa]
-    force.noalias() += at.area * law.thickness * (p.variation.transpose() * stress);
-  }
-  return force;
-}
-
-/// Tangent of `part_force` [N/m]; the stress part as in fem::element_tangent.
-inline fem::ElementMatrix part_tangent(std::span<const PartPoint> points, const fem::ElementVector& displacement,
-                                       const law::Elastic& law, fem::Kinematics kinematics)
-{
-  const Eigen::Matrix3d stiffness = law.stiffness();
-  fem::ElementMatrix tangent = fem::ElementMatrix::Zero();
-  for (const PartPoint& at : points) {
-    const fem::PointStrain p = fem::point_strain(at.gradients, displacement, kinematics);
-    const double volume = at.area * law.thickness;
-    tangent.noalias() += p.variation.transpose() * (volume * stiffness) * p.variation;
-    if (kinematics == fem::Kinematics::small) continue;
-    const Eigen::Vector3d s = stiffness * p.strain;
-    const Eigen::Matrix4d pull =
-        volume * (at.gradients.transpose() * Tensor<2>{{s[0], s[2]}, {s[2], s[1]}} * at.gradients);
-    for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < 4; ++b) tangent.block<2, 2>(2 * a, 2 * b).diagonal().array() += pull(a, b);
-  }
-  return tangent;
-}
-
-/// Strain energy of the part [J].
-inline double part_energy(std::span<const PartPoint> points, const fem::ElementVector& displacement,
-                          const law::Elastic& law, fem::Kinematics kinematics)
-{
-  const Eigen::Matrix3d stiffness = law.stiffness();
-  double energy = 0.0;
-  for (const PartPoint& at : points) {
-    const Eigen::Vector3d strain = fem::point_strain(at.gradients, displacement, kinematics).strain;
-    energy += 0.5 * at.area * law.thickness * strain.dot(stiffness * strain);
-  }
-  return energy;
-}
-
 /// Internal force [N] of all unknowns, the gradient of `enriched_energy`. The crack faces carry nothing.
 inline EnrichedVector enriched_force(const EnrichedElement& element, const EnrichedVector& displacement,
                                      const law::Elastic& law, fem::Kinematics kinematics)
@@ -92,7 +45,8 @@ inline EnrichedVector enriched_force(const EnrichedElement& element, const Enric
   EnrichedVector force = EnrichedVector::Zero(element.unknowns());
   for (const Side side : kSides) {
     const SideMap map = side_map(element, side);
-    force.noalias() += map.transpose() * part_force(element.cell.points(side), map * displacement, law, kinematics);
+    force.noalias() +=
+        map.transpose() * fem::part_force(element.cell.points(side), map * displacement, law, kinematics);
   }
   return force;
 }
@@ -104,7 +58,7 @@ inline EnrichedMatrix enriched_tangent(const EnrichedElement& element, const Enr
   EnrichedMatrix tangent = EnrichedMatrix::Zero(element.unknowns(), element.unknowns());
   for (const Side side : kSides) {
     const SideMap map = side_map(element, side);
-    const fem::ElementMatrix part = part_tangent(element.cell.points(side), map * displacement, law, kinematics);
+    const fem::ElementMatrix part = fem::part_tangent(element.cell.points(side), map * displacement, law, kinematics);
     tangent.noalias() += map.transpose() * (part * map).eval();
   }
   return tangent;
@@ -116,7 +70,7 @@ inline double enriched_energy(const EnrichedElement& element, const EnrichedVect
 {
   double energy = 0.0;
   for (const Side side : kSides)
-    energy += part_energy(element.cell.points(side), side_map(element, side) * displacement, law, kinematics);
+    energy += fem::part_energy(element.cell.points(side), side_map(element, side) * displacement, law, kinematics);
   return energy;
 }
 } // namespace pdx::xfem
