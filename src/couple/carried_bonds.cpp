@@ -119,26 +119,23 @@ void CarriedBonds<Dim>::add_energy_density(std::span<const double> u, std::span<
 
 template <int Dim> void CarriedBonds<Dim>::linearise(std::span<const double> u) { points_.spread(u, state_); }
 
-/// Visits the bonds in groups [begin, end) that share point a.
+/// Visits the bonds in groups [begin, end) that share point a, with the rows at their ends and where their forces act.
 template <int Dim> template <class Visit> void CarriedBonds<Dim>::for_each_group(Visit&& visit) const
 {
-  for (std::size_t begin = 0; begin < bonds_.size();) {
-    std::size_t end = begin + 1;
-    while (end < bonds_.size() && bonds_[end].a == bonds_[begin].a) ++end;
-    visit(begin, end);
-    begin = end;
+  Panel panel;
+  for (std::size_t begin = 0, end = 0; begin < bonds_.size(); begin = end) {
+    panel.rows.clear();
+    for (end = begin; end < bonds_.size() && bonds_[end].a == bonds_[begin].a; ++end)
+      for (const Index point : {bonds_[end].a, bonds_[end].b, bonds_[end].force_a, bonds_[end].force_b})
+        for (const Index row : points_.rows(point)) panel.place(row);
+    visit(panel, begin, end);
   }
 }
 
 template <int Dim> void CarriedBonds<Dim>::couplings(field::Couplings& couplings, bool) const
 {
   std::map<Index, std::vector<Index>> columns; // of owned rows, with repeats
-  Panel panel;
-  for_each_group([&](std::size_t begin, std::size_t end) {
-    panel.rows.clear();
-    for (std::size_t k = begin; k < end; ++k)
-      for (const Index point : {bonds_[k].a, bonds_[k].b, bonds_[k].force_a, bonds_[k].force_b})
-        for (const Index row : points_.rows(point)) panel.place(row);
+  for_each_group([&](const Panel& panel, std::size_t, std::size_t) {
     for (const Index row : panel.rows) {
       if (row >= rows_.owned()) continue;
       auto& list = columns[row];
@@ -157,12 +154,7 @@ template <int Dim> void CarriedBonds<Dim>::add_jacobian(field::BlockAdder& adder
 {
   static Event event("couple_jacobian");
   Timed timed(event);
-  Panel panel;
-  for_each_group([&](std::size_t begin, std::size_t end) {
-    panel.rows.clear();
-    for (std::size_t k = begin; k < end; ++k)
-      for (const Index point : {bonds_[k].a, bonds_[k].b, bonds_[k].force_a, bonds_[k].force_b})
-        for (const Index row : points_.rows(point)) panel.place(row);
+  for_each_group([&](Panel& panel, std::size_t begin, std::size_t end) {
     panel.size_values();
     for (std::size_t k = begin; k < end; ++k) {
       if (gone_[k]) continue;

@@ -11,6 +11,14 @@ constexpr double kEnergyTolerance = 2.0; // kinetic energy over all that was put
 constexpr int kLedgerInterval = 100;     // steps from one look at all energies to the next, where something can break
 constexpr double kLostShare = 0.25;      // of all that was put in, gained or lost, above which a run has gone wild
 
+/// What one of PETSc's TSGet... says.
+template <class Value> Value asked(TS ts, PetscErrorCode (*get)(TS, Value*))
+{
+  Value value{};
+  PDX_CALL(get(ts, &value));
+  return value;
+}
+
 VecHandle vector_on(const field::Rows& rows, double* values)
 {
   VecHandle v;
@@ -35,11 +43,9 @@ void TimeDriver::make_ts(const char* type)
   PDX_CALL(TSSetFromOptions(ts));
   PDX_CALL(TSSetExactFinalTime(ts, TS_EXACTFINALTIME_MATCHSTEP));
   PDX_CALL(TSSetErrorIfStepFails(ts, PETSC_FALSE)); // `run` says it in our words
-  PetscReal begin = 0.0;
-  PDX_CALL(TSGetTime(ts, &begin));
-  if (begin != 0.0) throw UserError(fmt::format("-ts_init_time is {:g}: runs begin at 0", begin));
-  TSType chosen = nullptr;
-  PDX_CALL(TSGetType(ts, &chosen));
+  if (const double begin = time(); begin != 0.0)
+    throw UserError(fmt::format("-ts_init_time is {:g}: runs begin at 0", begin));
+  const TSType chosen = asked(ts, TSGetType);
   if (std::string_view(chosen) != type)
     throw UserError(fmt::format("-ts_type is {}: must be {} here (-analysis explicit takes {}, implicit alpha2)",
                                 chosen, type, kCentralDifference));
@@ -57,13 +63,9 @@ void TimeDriver::make_ts(const char* type)
 double TimeDriver::given_step() const
 {
   PetscBool given = PETSC_FALSE;
-  PetscReal length = 0.0, end = 0.0;
-  PetscInt most = 0;
   PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
-  PDX_CALL(TSGetTimeStep(ts_.get(), &length));
-  PDX_CALL(TSGetMaxTime(ts_.get(), &end));
-  PDX_CALL(TSGetMaxSteps(ts_.get(), &most));
-  if (end == PETSC_MAX_REAL && most == PETSC_MAX_INT)
+  const double length = step_length(), end = end_time();
+  if (end == PETSC_MAX_REAL && most_steps() == PETSC_MAX_INT)
     throw UserError("-ts_max_time is missing: give the end of the run in s (or -ts_max_steps)");
   if (end <= 0.0) throw UserError(fmt::format("-ts_max_time is {}: must be above 0", end));
   if (given && !(length > 0.0)) throw UserError(fmt::format("-ts_dt is {}: must be above 0", length));
@@ -170,18 +172,14 @@ void TimeDriver::run(const AfterEach& after_each)
   moving_.note();
   keep();
   PDX_CALL(TSSolve(ts_.get(), displacement_.get()));
-  TSConvergedReason reason = TS_CONVERGED_ITERATING;
-  PDX_CALL(TSGetConvergedReason(ts_.get(), &reason));
-  if (reason < 0)
+  if (const TSConvergedReason reason = asked(ts_.get(), TSGetConvergedReason); reason < 0)
     throw SolverFailure(fmt::format("step {}, time {:.6g} s: TS stopped ({}); try a smaller -ts_dt", step() + 1, time(),
                                     TSConvergedReasons[reason]));
 }
 
 void TimeDriver::refuse_spent_run() const
 {
-  PetscInt most = 0;
-  PDX_CALL(TSGetMaxSteps(ts_.get(), &most));
-  if (time() > end_time() || step() > most || !(step_length() > 0.0))
+  if (time() > end_time() || step() > most_steps() || !(step_length() > 0.0))
     throw UserError(
         fmt::format("-restart: the checkpoint is at step {}, time {:g} s, beyond the end of this run; give a "
                     "later -ts_max_time or -ts_max_steps",
@@ -189,39 +187,15 @@ void TimeDriver::refuse_spent_run() const
   judge_step(step_length());
 }
 
-double TimeDriver::time() const
-{
-  PetscReal time = 0.0;
-  PDX_CALL(TSGetTime(ts_.get(), &time));
-  return time;
-}
-
-int TimeDriver::step() const
-{
-  PetscInt step = 0;
-  PDX_CALL(TSGetStepNumber(ts_.get(), &step));
-  return step;
-}
-
-double TimeDriver::step_length() const
-{
-  PetscReal length = 0.0;
-  PDX_CALL(TSGetTimeStep(ts_.get(), &length));
-  return length;
-}
-
-double TimeDriver::end_time() const
-{
-  PetscReal end = 0.0;
-  PDX_CALL(TSGetMaxTime(ts_.get(), &end));
-  return end;
-}
+double TimeDriver::time() const { return asked(ts_.get(), TSGetTime); }
+int TimeDriver::step() const { return asked(ts_.get(), TSGetStepNumber); }
+double TimeDriver::step_length() const { return asked(ts_.get(), TSGetTimeStep); }
+double TimeDriver::end_time() const { return asked(ts_.get(), TSGetMaxTime); }
+int TimeDriver::most_steps() const { return asked(ts_.get(), TSGetMaxSteps); }
 
 int TimeDriver::expected_steps() const
 {
-  PetscInt most = 0;
-  PDX_CALL(TSGetMaxSteps(ts_.get(), &most));
   const double left = std::ceil((end_time() - time()) / step_length() - 1e-6);
-  return static_cast<int>(std::min(static_cast<double>(most), step() + std::max(0.0, left)));
+  return static_cast<int>(std::min(static_cast<double>(most_steps()), step() + std::max(0.0, left)));
 }
 } // namespace pdx::solve

@@ -81,6 +81,7 @@ protected:
 private:
   void after_step();
   bool sound();
+  int most_steps() const; ///< asked for
   void refuse_spent_run() const;
   void keep();
   void go_back();
