@@ -1,6 +1,8 @@
 #pragma once
 #include "pdx/fem/elastic_term.hpp"
 #include "pdx/fem/loads.hpp"
+#include "pdx/mesh/vertex_halo.hpp"
+#include "support/tangent.hpp"
 
 #include <functional>
 #include <limits>
@@ -72,25 +74,10 @@ public:
     return r;
   }
 
-  /// The tangent at the present displacement; adding outside of the announced couplings is an error. Collective.
+  /// The tangent at the present displacement. Collective.
   MatHandle tangent()
   {
-    MatHandle k;
-    field::Couplings couplings(*halo_);
-    term_.couplings(couplings, true);
-    PDX_CALL(MatCreate(rows_.comm, k.out()));
-    const PetscInt size = 2 * rows_.owned();
-    PDX_CALL(MatSetSizes(k.get(), size, size, PETSC_DETERMINE, PETSC_DETERMINE));
-    PDX_CALL(MatSetType(k.get(), MATAIJ));
-    PDX_CALL(MatSetBlockSize(k.get(), 2));
-    PDX_CALL(MatXAIJSetPreallocation(k.get(), 2, couplings.diagonal.data(), couplings.off_diagonal.data(), nullptr,
-                                     nullptr));
-    PDX_CALL(MatSetOption(k.get(), MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
-    term_.linearise(local_displacement());
-    field::BlockAdder adder(k.get(), *halo_, held_);
-    term_.add_jacobian(adder, true);
-    adder.finish(body_.law.young * body_.law.thickness);
-    return k;
+    return tangent_of({&term_}, *halo_, held_, local_displacement(), body_.law.young * body_.law.thickness);
   }
 
   /// Newton from the prescribed displacement; returns the number of linear solves, -1 if it failed. Collective.
@@ -129,12 +116,7 @@ public:
       const PetscInt row = node_rows_[i / 2];
       if (row >= 0) all[i] = owned_u_[2 * static_cast<std::size_t>(row - rows_.first) + i % 2];
     }
-    MPI_Datatype pair = MPI_DATATYPE_NULL;
-    MPI_Type_contiguous(2, MPI_DOUBLE, &pair);
-    MPI_Type_commit(&pair);
-    PDX_CALL(PetscSFBcastBegin(mesh_.vertex_sf(), pair, all.data(), all.data(), MPI_REPLACE));
-    PDX_CALL(PetscSFBcastEnd(mesh_.vertex_sf(), pair, all.data(), all.data(), MPI_REPLACE));
-    MPI_Type_free(&pair);
+    mesh::fill_halo(mesh_, MPI_DOUBLE, 2, all.data());
     return all;
   }
 
@@ -151,8 +133,7 @@ private:
     PetscInt next = rows.first;
     for (Index v = 0; v < mesh.owned_vertices(); ++v)
       if (active[static_cast<std::size_t>(v)]) node_rows[static_cast<std::size_t>(v)] = next++;
-    PDX_CALL(PetscSFBcastBegin(mesh.vertex_sf(), MPIU_INT, node_rows.data(), node_rows.data(), MPI_REPLACE));
-    PDX_CALL(PetscSFBcastEnd(mesh.vertex_sf(), MPIU_INT, node_rows.data(), node_rows.data(), MPI_REPLACE));
+    mesh::fill_halo(mesh, MPIU_INT, 1, node_rows.data());
     return node_rows;
   }
 

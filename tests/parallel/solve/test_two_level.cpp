@@ -1,4 +1,4 @@
-#include "support/scene.hpp"
+#include "support/pulled.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,33 +7,18 @@ using namespace pdx;
 namespace {
 constexpr int kMostIterations = 16; // of CG, to 1e-10 of the residual
 
-app::BoundaryCondition pull(const char* side, const Vector<2>& traction)
-{
-  app::BoundaryCondition c;
-  c.name = "pull";
-  c.on = side;
-  c.traction = Vector<3>(traction[0], traction[1], 0.0);
-  return c;
-}
-
 /// Clamped on the left, pulled and sheared on the right; the middle quarter is a patch of n x n particles, 4 x 4 in the
 /// place of an element.
 app::SceneOptions clamped_plate(Index n)
 {
   auto options = test::held_plate({n / 2, n / 2});
   options.conditions.resize(1); // left
-  options.conditions.push_back(pull("right", {1e-3, 5e-4}));
+  options.conditions.push_back(test::pull("right", {1e-3, 5e-4}));
   return test::with_patch(options, {{0.25, 0.25}, {0.75, 0.75}}, 0.5 / n);
 }
 
 /// The same plate of n x n particles, clamped by a layer of one horizon, with three free sides.
-app::SceneOptions clamped_particles(Index n)
-{
-  auto options = test::held_particles(n);
-  options.conditions.resize(1); // left
-  options.conditions.push_back(pull("right", {1e-3, 5e-4}));
-  return options;
-}
+app::SceneOptions clamped_particles(Index n) { return test::pulled_particles(n, {1e-3, 5e-4}); }
 
 double iterations(const app::SceneOptions& options, MPI_Comm comm)
 {
@@ -58,23 +43,13 @@ void expect_few_iterations_on_any_number_of_ranks(const app::SceneOptions& optio
   EXPECT_LE(std::abs(found - alone), 2.0);
 }
 
-/// Largest difference of two solutions of the same scene, over the largest displacement.
-double difference(Vec a, Vec b)
-{
-  double size = 0.0, gap = 0.0;
-  PDX_CALL(VecNorm(b, NORM_INFINITY, &size));
-  PDX_CALL(VecAXPY(a, -1.0, b));
-  PDX_CALL(VecNorm(a, NORM_INFINITY, &gap));
-  return gap / size;
-}
-
 void expect_assembled_solution(const app::SceneOptions& options)
 {
   test::Scene free(options), whole(options, true);
   EXPECT_TRUE(free.system().coarse);
   EXPECT_FALSE(whole.system().coarse);
   const VecHandle a = free.solve(), b = whole.solve();
-  const double gap = difference(a.get(), b.get());
+  const double gap = test::difference(a.get(), b.get(), NORM_INFINITY);
   EXPECT_LT(gap, 1e-8);
 }
 } // namespace
@@ -113,7 +88,7 @@ TEST(TwoLevel, AsManyCoarseRowsAsFineOnes)
 {
   auto options = test::held_plate({2, 2});
   options.conditions.resize(1); // left
-  options.conditions.push_back(pull("right", {1e-3, 5e-4}));
+  options.conditions.push_back(test::pull("right", {1e-3, 5e-4}));
   expect_few_iterations(test::with_patch(options, {{0.5, 0.5}, {1.0, 1.0}}, 0.5));
 }
 
@@ -144,7 +119,7 @@ TEST(TwoLevel, InterfaceSchemeConvergesByGmres)
   EXPECT_LE(free.report().linear_iterations, 2 * kMostIterations);
   test::Scene whole(options, true);
   const VecHandle b = whole.solve();
-  EXPECT_LT(difference(a.get(), b.get()), 1e-8);
+  EXPECT_LT(test::difference(a.get(), b.get(), NORM_INFINITY), 1e-8);
 }
 
 TEST(TwoLevel, AFewRows)
@@ -168,7 +143,7 @@ TEST(TwoLevel, NothingToDoWithoutPatches)
 {
   auto options = test::held_plate({2, 2});
   options.conditions.resize(1);
-  options.conditions.push_back(pull("right", {1e-3, 0.0}));
+  options.conditions.push_back(test::pull("right", {1e-3, 0.0}));
   options.conditions[0].displacement[1].reset(); // slides up and down
   app::BoundaryCondition pin;
   pin.name = "pin";

@@ -4,6 +4,7 @@
 #include "pdx/xfem/enriched_term.hpp"
 #include "pdx/xfem/loads.hpp"
 #include "support/gmsh_grid.hpp"
+#include "support/tangent.hpp"
 
 #include <functional>
 #include <memory>
@@ -91,28 +92,13 @@ public:
     for (const auto& term : terms) total += term->energy(local(owned));
     return sum(total);
   }
-  /// Of all terms; adding outside of the announced couplings is an error.
+  /// Of all terms.
   MatHandle tangent(const std::vector<double>& owned)
   {
-    MatHandle k;
-    field::Couplings couplings(*halo);
-    for (const auto& term : terms) term->couplings(couplings, true);
-    PDX_CALL(MatCreate(rows.comm, k.out()));
-    const PetscInt size = 2 * rows.owned();
-    PDX_CALL(MatSetSizes(k.get(), size, size, PETSC_DETERMINE, PETSC_DETERMINE));
-    PDX_CALL(MatSetType(k.get(), MATAIJ));
-    PDX_CALL(MatSetBlockSize(k.get(), 2));
-    PDX_CALL(MatXAIJSetPreallocation(k.get(), 2, couplings.diagonal.data(), couplings.off_diagonal.data(), nullptr,
-                                     nullptr));
-    PDX_CALL(MatSetOption(k.get(), MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
+    std::vector<field::Term*> all;
+    for (const auto& term : terms) all.push_back(term.get());
     const std::vector<std::uint8_t> held(static_cast<std::size_t>(2 * halo->size()), 0);
-    field::BlockAdder adder(k.get(), *halo, held);
-    for (const auto& term : terms) {
-      term->linearise(local(owned));
-      term->add_jacobian(adder, true);
-    }
-    adder.finish(1.0);
-    return k;
+    return tangent_of(all, *halo, held, local(owned), 1.0);
   }
 
   double sum(double mine) const

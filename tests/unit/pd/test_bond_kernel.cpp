@@ -83,22 +83,34 @@ template <int Dim> struct Reference {
   }
 };
 
+/// @param product, diagonal: the kernels for that tangent
+template <int Dim, class Product, class Diagonal>
+void expect_sums_over_pairs(const Window<Dim>& window, const Reference<Dim>& reference, Kinematics kinematics,
+                            Product product, Diagonal diagonal)
+{
+  const Rows& u = reference.u;
+  const auto spread = window.spread(u);
+  const auto view = window.view(spread);
+  Rows y(u.size()), d(u.size() * Dim), r(u.size()), w(u.size() / Dim);
+  product(view, y.data());
+  diagonal(view, d.data());
+  pd::add_force<Dim>(view, window.runs, kinematics, r.data());
+  pd::add_energy_density<Dim>(view, window.runs, kinematics, window.volume(), w.data());
+  expect_near(y, reference.product, 1e-13);
+  expect_near(d, reference.diagonal, 1e-13);
+  expect_near(r, reference.force, 1e-13);
+  expect_near(w, reference.energy, 1e-13);
+}
+
 TEST(BondKernel, LinearKernelsEqualSumsOverPairs)
 {
   in_every_scene([]<int Dim>(const Window<Dim>& window) {
     const Rows u = window.random_vector(0.05 * window.kDx, 1);
     const Reference<Dim> reference(window, u, u, Kinematics::linear);
-    const auto spread = window.spread(u);
-    const auto view = window.view(spread);
-    Rows y(u.size()), d(u.size() * Dim), r(u.size()), w(u.size() / Dim);
-    pd::subtract_neighbours<Dim>(view, window.runs, y.data());
-    pd::diagonal_blocks<Dim>(view, window.runs, d.data());
-    pd::add_force<Dim>(view, window.runs, Kinematics::linear, r.data());
-    pd::add_energy_density<Dim>(view, window.runs, Kinematics::linear, window.volume(), w.data());
-    expect_near(y, reference.product, 1e-13);
-    expect_near(d, reference.diagonal, 1e-13);
-    expect_near(r, reference.force, 1e-13);
-    expect_near(w, reference.energy, 1e-13);
+    expect_sums_over_pairs<Dim>(
+        window, reference, Kinematics::linear,
+        [&](const auto& view, double* y) { pd::subtract_neighbours<Dim>(view, window.runs, y); },
+        [&](const auto& view, double* d) { pd::diagonal_blocks<Dim>(view, window.runs, d); });
   });
 }
 
@@ -107,17 +119,13 @@ TEST(BondKernel, FiniteKernelsEqualSumsOverPairs)
   in_every_scene([]<int Dim>(const Window<Dim>& window) {
     const Rows u = window.random_vector(0.3 * window.kDx, 2), x = window.random_vector(1.0, 3);
     const Reference<Dim> reference(window, u, x, Kinematics::finite);
-    const auto spread = window.spread(u), along = window.spread(x);
-    const auto view = window.view(spread);
-    Rows y(u.size()), d(u.size() * Dim), r(u.size()), w(u.size() / Dim);
-    pd::subtract_neighbours_finite<Dim>(view, window.view(along).u, window.runs, y.data());
-    pd::diagonal_blocks_finite<Dim>(view, window.runs, d.data());
-    pd::add_force<Dim>(view, window.runs, Kinematics::finite, r.data());
-    pd::add_energy_density<Dim>(view, window.runs, Kinematics::finite, window.volume(), w.data());
-    expect_near(y, reference.product, 1e-13);
-    expect_near(d, reference.diagonal, 1e-13);
-    expect_near(r, reference.force, 1e-13);
-    expect_near(w, reference.energy, 1e-13);
+    const auto along = window.spread(x);
+    expect_sums_over_pairs<Dim>(
+        window, reference, Kinematics::finite,
+        [&](const auto& view, double* y) {
+          pd::subtract_neighbours_finite<Dim>(view, window.view(along).u, window.runs, y);
+        },
+        [&](const auto& view, double* d) { pd::diagonal_blocks_finite<Dim>(view, window.runs, d); });
   });
 }
 
