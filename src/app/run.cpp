@@ -2,13 +2,10 @@
 
 #include "pdx/app/crack_results.hpp"
 #include "pdx/app/discretisation.hpp"
-#include "pdx/app/output_blocks.hpp"
 #include "pdx/app/recorder.hpp"
 #include "pdx/app/run_in_time.hpp"
 #include "pdx/app/stop_signals.hpp"
 #include "pdx/base/events.hpp"
-#include "pdx/base/gather.hpp"
-#include "pdx/post/error_norm.hpp"
 #include "pdx/solve/static_driver.hpp"
 
 #include <algorithm>
