@@ -1,5 +1,7 @@
 #include "pdx/field/rows.hpp"
 
+#include "pdx/base/block_type.hpp"
+
 #include <algorithm>
 
 namespace pdx::field {
@@ -66,24 +68,16 @@ void RowHalo::refresh(std::span<double> blocks) const { broadcast(blocks.data(),
 
 void RowHalo::broadcast(double* all, int components) const
 {
-  MPI_Datatype block = MPI_DATATYPE_NULL;
-  MPI_Type_contiguous(components, MPI_DOUBLE, &block);
-  MPI_Type_commit(&block);
   double* halo = all + static_cast<std::ptrdiff_t>(rows_.owned()) * components;
-  PDX_CALL(PetscSFBcastBegin(sf_.get(), block, all, halo, MPI_REPLACE));
-  PDX_CALL(PetscSFBcastEnd(sf_.get(), block, all, halo, MPI_REPLACE));
-  MPI_Type_free(&block);
+  PDX_CALL(PetscSFBcastBegin(sf_.get(), block_type(components), all, halo, MPI_REPLACE));
+  PDX_CALL(PetscSFBcastEnd(sf_.get(), block_type(components), all, halo, MPI_REPLACE));
 }
 
 void RowHalo::reduce(std::vector<double>& all, int components) const
 {
   const std::size_t own = static_cast<std::size_t>(rows_.owned()) * static_cast<std::size_t>(components);
-  MPI_Datatype block = MPI_DATATYPE_NULL;
-  MPI_Type_contiguous(components, MPI_DOUBLE, &block);
-  MPI_Type_commit(&block);
-  PDX_CALL(PetscSFReduceBegin(sf_.get(), block, all.data() + own, all.data(), MPI_SUM));
-  PDX_CALL(PetscSFReduceEnd(sf_.get(), block, all.data() + own, all.data(), MPI_SUM));
-  MPI_Type_free(&block);
+  PDX_CALL(PetscSFReduceBegin(sf_.get(), block_type(components), all.data() + own, all.data(), MPI_SUM));
+  PDX_CALL(PetscSFReduceEnd(sf_.get(), block_type(components), all.data() + own, all.data(), MPI_SUM));
 }
 
 void RowHalo::gather(Vec u, std::vector<double>& blocks) const

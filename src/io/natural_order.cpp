@@ -1,25 +1,8 @@
 #include "pdx/io/natural_order.hpp"
 
+#include "pdx/base/block_type.hpp"
+
 namespace pdx::io {
-namespace {
-/// `components` times eight bytes, which are copied and never looked at.
-class Block {
-public:
-  explicit Block(int components)
-  {
-    MPI_Type_contiguous(components, MPI_DOUBLE, &type_);
-    MPI_Type_commit(&type_);
-  }
-  ~Block() { MPI_Type_free(&type_); }
-  Block(const Block&) = delete;
-  Block& operator=(const Block&) = delete;
-  operator MPI_Datatype() const { return type_; }
-
-private:
-  MPI_Datatype type_ = MPI_DATATYPE_NULL;
-};
-} // namespace
-
 NaturalOrder::NaturalOrder(MPI_Comm comm, PetscInt total, std::span<const PetscInt> held) : held_(held.size())
 {
   PetscLayout layout = nullptr;
@@ -37,7 +20,7 @@ NaturalOrder::NaturalOrder(MPI_Comm comm, PetscInt total, std::span<const PetscI
 template <class T> std::vector<T> NaturalOrder::gather(std::span<const T> values, int components) const
 {
   static_assert(sizeof(T) == sizeof(double));
-  const Block type(components);
+  const MPI_Datatype type = block_type(components); // eight bytes each, copied and never looked at
   std::vector<T> block(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(components), T{});
   PDX_CALL(PetscSFReduceBegin(sf_.get(), type, values.data(), block.data(), MPI_REPLACE));
   PDX_CALL(PetscSFReduceEnd(sf_.get(), type, values.data(), block.data(), MPI_REPLACE));
@@ -47,7 +30,7 @@ template <class T> std::vector<T> NaturalOrder::gather(std::span<const T> values
 template <class T> std::vector<T> NaturalOrder::spread(std::span<const T> block, int components) const
 {
   static_assert(sizeof(T) == sizeof(double));
-  const Block type(components);
+  const MPI_Datatype type = block_type(components); // eight bytes each, copied and never looked at
   std::vector<T> values(held_ * static_cast<std::size_t>(components), T{});
   PDX_CALL(PetscSFBcastBegin(sf_.get(), type, block.data(), values.data(), MPI_REPLACE));
   PDX_CALL(PetscSFBcastEnd(sf_.get(), type, block.data(), values.data(), MPI_REPLACE));

@@ -1,5 +1,6 @@
 #include "pdx/pd/lattice_part.hpp"
 
+#include "pdx/base/block_type.hpp"
 #include "pdx/base/events.hpp"
 
 #include <algorithm>
@@ -216,16 +217,12 @@ std::span<const double> LatticePart<Dim>::exchange(std::span<const double> owned
     meanwhile();
     return {};
   }
-  MPI_Datatype block = MPI_DATATYPE_NULL;
   {
     Timed timed(event);
-    MPI_Type_contiguous(Dim, MPI_DOUBLE, &block);
-    MPI_Type_commit(&block);
-    PDX_CALL(PetscSFBcastBegin(halo_sf_.get(), block, owned.data(), halo_buffer_.data(), MPI_REPLACE));
+    PDX_CALL(PetscSFBcastBegin(halo_sf_.get(), block_type(Dim), owned.data(), halo_buffer_.data(), MPI_REPLACE));
   }
   meanwhile();
-  PDX_CALL(PetscSFBcastEnd(halo_sf_.get(), block, owned.data(), halo_buffer_.data(), MPI_REPLACE));
-  MPI_Type_free(&block);
+  PDX_CALL(PetscSFBcastEnd(halo_sf_.get(), block_type(Dim), owned.data(), halo_buffer_.data(), MPI_REPLACE));
   return halo_buffer_;
 }
 

@@ -115,10 +115,10 @@ void MovingSystem::let_go(std::span<const field::ForceLoss> losses, std::span<do
       a[static_cast<std::size_t>(loss.component)] +=
           inverse_mass_[static_cast<std::size_t>(loss.component / system.rows.dim)] * loss.force;
   if (ties_.empty()) return;
-  std::vector<double> change(owned(), 0.0); // ties pass forces on to other rows
-  for (const field::ForceLoss& loss : losses) change[static_cast<std::size_t>(loss.component)] -= loss.force;
-  accelerate(change);
-  for (std::size_t i = 0; i < a.size(); ++i) a[i] += change[i];
+  change_.assign(owned(), 0.0); // ties pass forces on to other rows
+  for (const field::ForceLoss& loss : losses) change_[static_cast<std::size_t>(loss.component)] -= loss.force;
+  accelerate(change_);
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] += change_[i];
 }
 
 void MovingSystem::add_inertia(std::span<const double> x, std::span<double> y) const

@@ -70,6 +70,7 @@ private:
   std::vector<double> inverse_mass_;
   std::vector<field::Tie> ties_;
   std::vector<Load> loads_;
+  std::vector<double> change_; // owned, only where `let_go` meets ties [m/s^2]
   std::vector<double> held_, held_before_, held_u_before_;
   double held_kinetic_before_ = 0.0, work_ = 0.0;
 };
