@@ -3,10 +3,7 @@
 Usage: test_bad_motion.py PDXSOLVE [unittest arguments]; environment as there.
 """
 
-import pathlib
-import sys
-import unittest
-
+import program
 import test_bad_input as mistakes
 
 FILES = {
@@ -100,8 +97,5 @@ class InMotion(mistakes.ThroughTheProgram):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
-        sys.exit("usage: test_bad_motion.py PDXSOLVE [unittest arguments]")
-    mistakes.PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
     mistakes.FILES |= FILES
-    unittest.main()
+    program.main()
