@@ -174,23 +174,23 @@ private:
 
   void push(const BoundaryCondition& c)
   {
-    if (!mesh_.bounds().contains(c.at, 1e-9 * mesh_.bounds().size().norm()))
-      throw UserError(fmt::format("-bc_{}_at is {},{}: lies outside the mesh", c.name, c.at[0], c.at[1]));
+    if (!mesh_.bounds().contains(*c.at, 1e-9 * mesh_.bounds().size().norm()))
+      throw UserError(fmt::format("-bc_{}_at is {},{}: lies outside the mesh", c.name, c.at->x(), c.at->y()));
     std::vector<std::pair<Vector<2>, Index>> places;
     for (std::size_t k = 0; k < d_.nodes.size(); ++k)
       places.emplace_back(mesh_.point(d_.nodes[k]), static_cast<Index>(k));
     for (std::size_t k = 0; k < d_.particles.size(); ++k)
       places.emplace_back(d_.particles[k].x, d_.system.rows.first_particle() + static_cast<Index>(k));
     double nearest = std::numeric_limits<double>::max();
-    for (const auto& place : places) nearest = std::min(nearest, (place.first - c.at).norm());
+    for (const auto& place : places) nearest = std::min(nearest, (place.first - *c.at).norm());
     MPI_Allreduce(MPI_IN_PLACE, &nearest, 1, MPI_DOUBLE, MPI_MIN, mesh_.comm());
 
     // Places at the same distance share the force: which rank has them, and in what order, must not matter.
     const double within = nearest * (1.0 + 1e-9) + 1e-12 * mesh_.bounds().size().norm();
-    std::erase_if(places, [&](const auto& place) { return (place.first - c.at).norm() > within; });
+    std::erase_if(places, [&](const auto& place) { return (place.first - *c.at).norm() > within; });
     auto count = static_cast<Index>(places.size());
     MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT, MPI_SUM, mesh_.comm());
-    for (const auto& place : places) add(place.second, *c.force / count);
+    for (const auto& place : places) add(place.second, Vector<2>(c.force->head<2>() / count));
   }
 
   fem::NodalForces target() { return {d_.node_rows, d_.system.rows, load_}; }

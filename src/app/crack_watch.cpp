@@ -64,7 +64,7 @@ CrackWatch::CrackWatch(const RunFiles& files)
 std::unique_ptr<CrackWatch> CrackWatch::make(const RunFiles& files)
 {
   const Model& d = *files.scene.model;
-  if (!d.breaker) return nullptr;
+  if (!d.breaker || files.scene.cloud) return nullptr; // tips are found on lattices
   std::unique_ptr<CrackWatch> watch(new CrackWatch(files));
   for (std::size_t t = 0; t < d.cracks.tips().size(); ++t)
     if (watch->tracker_.tree().span(t) > 0.0) return watch;

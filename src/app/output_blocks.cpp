@@ -16,14 +16,19 @@ template <int Dim> std::array<double, 3> padded(const double* x)
   return all;
 }
 
-template <int Dim> field::OutputField displacement_field(std::span<const double> blocks, std::size_t count)
+template <int Dim> field::OutputField vector_field(const char* name, std::span<const double> blocks, std::size_t count)
 {
-  field::OutputField f{"displacement [m]", field::Rank::vector, false, false, {}};
+  field::OutputField f{name, field::Rank::vector, false, false, {}};
   for (std::size_t k = 0; k < count; ++k) {
     const auto value = padded<Dim>(&blocks[Dim * k]);
     f.values.insert(f.values.end(), value.begin(), value.end());
   }
   return f;
+}
+
+template <int Dim> field::OutputField displacement_field(std::span<const double> blocks, std::size_t count)
+{
+  return vector_field<Dim>("displacement [m]", blocks, count);
 }
 
 field::OutputField stress_field(const std::vector<double>& stress)
@@ -96,14 +101,18 @@ template <int Dim> double kind_of(const ParticleScene<Dim>& scene, std::size_t k
   return 0.0;
 }
 
-template <int Dim>
-void add_damage(const SceneOptions& options, const ParticleScene<Dim>& scene, field::OutputBlock& block)
+void push_damage(const SceneOptions& options, couple::ParticleDamage damage, field::OutputBlock& block)
 {
-  couple::ParticleDamage damage = couple::particle_damage<Dim>(scene.system.rows, scene.bonds, scene.carried);
   for (std::size_t k = 0; options.post.precrack_as_damage && k < damage.damage.size(); ++k)
     damage.damage[k] += damage.precrack[k];
   block.fields.push_back({"damage [-]", field::Rank::scalar, false, false, std::move(damage.damage)});
   block.fields.push_back({"precrack [-]", field::Rank::scalar, false, false, std::move(damage.precrack)});
+}
+
+template <int Dim>
+void add_damage(const SceneOptions& options, const ParticleScene<Dim>& scene, field::OutputBlock& block)
+{
+  push_damage(options, couple::particle_damage<Dim>(scene.system.rows, scene.bonds, scene.carried), block);
 }
 
 /// @param density strain energy density per owned row [J/m^3]
@@ -144,6 +153,48 @@ field::OutputBlock particle_block(const SceneOptions& options, const ParticleSce
   return block;
 }
 } // namespace
+
+namespace {
+/// Displacement and velocity of a cloud.
+template <int Dim>
+void push_motion(const CloudModel& cloud, std::span<const double> local, std::span<const double> velocity,
+                 field::OutputBlock& block)
+{
+  const std::size_t count = cloud.particles.size();
+  block.fields.push_back(vector_field<Dim>("displacement [m]", local, count));
+  block.fields.push_back(vector_field<Dim>("velocity [m/s]", velocity, count));
+}
+} // namespace
+
+std::vector<field::OutputBlock> cloud_blocks(const SceneOptions& options, const CloudModel& cloud, Vec u,
+                                             std::span<const double> velocity)
+{
+  std::vector<double> local;
+  cloud.system.halo->gather(u, local);
+  field::OutputBlock block;
+  block.name = "particles";
+  block.points = cloud.positions();
+  for (const pd::Particle& particle : cloud.particles) block.natural_point.push_back(particle.site);
+  if (cloud.system.rows.dim == 2)
+    push_motion<2>(cloud, local, velocity, block);
+  else
+    push_motion<3>(cloud, local, velocity, block);
+  if (cloud.breaker || !cloud.cracks.empty()) {
+    couple::ParticleDamage damage;
+    for (const pd::BondedVolume& volume : cloud.bonded_volume()) {
+      damage.damage.push_back(pd::damage(volume));
+      damage.precrack.push_back(pd::precrack_share(volume));
+    }
+    push_damage(options, std::move(damage), block);
+  }
+  int rank = 0;
+  MPI_Comm_rank(cloud.system.rows.comm, &rank);
+  block.fields.push_back({"volume [m^3]", field::Rank::scalar, false, false, cloud.volumes()});
+  block.fields.push_back({"set", field::Rank::scalar, false, true, {cloud.sets.begin(), cloud.sets.end()}});
+  block.fields.push_back({"rank", field::Rank::scalar, false, true,
+                          std::vector<double>(cloud.particles.size(), static_cast<double>(rank))});
+  return {block};
+}
 
 std::vector<field::OutputBlock> solid_blocks(const SceneOptions& options, const Solid& solid, Vec u)
 {

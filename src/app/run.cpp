@@ -152,7 +152,9 @@ void run(MPI_Comm comm, double begin)
   if (options.time.analysis == Analysis::explicit_dynamics) signals.emplace();
   RunFiles files(comm, options, begin);
   try {
-    if (options.solid)
+    if (!options.pd.cloud.empty())
+      run_cloud(files);
+    else if (options.solid)
       run_solid(files);
     else
       run_plane(files);

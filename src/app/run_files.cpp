@@ -1,5 +1,6 @@
 #include "pdx/app/run_files.hpp"
 
+#include "pdx/app/cloud_body.hpp"
 #include "pdx/app/output_blocks.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/io/agree.hpp"
@@ -15,6 +16,8 @@ RunFiles::RunFiles(MPI_Comm comm, const SceneOptions& given, double begin)
 }
 
 Standing::Standing(mesh::Mesh* background, const Solid* space) : mesh(background), solid(space), model(space) {}
+Standing::Standing(mesh::Mesh* background, CloudModel* particles) : mesh(background), cloud(particles), model(particles)
+{}
 
 void RunFiles::built(const Standing& standing)
 {
@@ -108,6 +111,7 @@ std::vector<double> RunFiles::reactions(std::span<const double> force) const
 
 void RunFiles::write_fields(double time, Vec u, const std::vector<double>& relative_percent)
 {
+  if (scene.cloud) return fields->write(time, cloud_blocks(options, *scene.cloud, u, velocity));
   if (scene.solid) return fields->write(time, solid_blocks(options, *scene.solid, u));
   fields->write(time, output_blocks(*scene.mesh, options, *scene.d, u, relative_percent));
 }

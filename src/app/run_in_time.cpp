@@ -1,6 +1,7 @@
 #include "pdx/app/run_in_time.hpp"
 
 #include "pdx/app/checkpoints.hpp"
+#include "pdx/app/cloud_body.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/solve/explicit_driver.hpp"
 #include "pdx/solve/implicit_driver.hpp"
@@ -42,6 +43,7 @@ public:
     else
       driver = std::make_unique<solve::ExplicitDriver>(
           system, solve::ExplicitOptions{limits.rigorous, time.safety, time.allow_unstable});
+    files_.velocity = driver->v();
     if (checkpoints_) checkpoints_->begin(files_.scene, *driver, recorder_);
     recorder_.started(*driver, limits);
     try {
@@ -94,5 +96,25 @@ void run_solid(RunFiles& files)
   const auto solid = discretise(files.comm(), files.options, plan, make_particles(mesh, plan, swarm));
   run.built({&mesh, solid.get()});
   run.run(solid->system, limits_of<3>({&plan.stencil, 1}, solid->system));
+}
+
+namespace {
+template <int Dim> void run_cloud_in(RunFiles& files)
+{
+  TimeRun run(files);
+  auto plan = std::make_unique<CloudPlan<Dim>>(plan_cloud<Dim>(files.options));
+  mesh::Mesh mesh = mesh::build(files.comm(), plan->mesh, cell_cost(*plan));
+  pd::Particles swarm(files.comm());
+  const auto body = discretise(files.comm(), files.options, *plan, make_particles(mesh, *plan, swarm));
+  plan.reset(); // the whole cloud
+  run.built({&mesh, body.get()});
+  run.run(body->system, limits_of<Dim>({}, body->system));
+}
+} // namespace
+
+void run_cloud(RunFiles& files)
+{
+  if (files.options.solid) return run_cloud_in<3>(files);
+  run_cloud_in<2>(files);
 }
 } // namespace pdx::app

@@ -1,5 +1,6 @@
 #include "pdx/app/scene_options.hpp"
 
+#include "pdx/app/cloud_body.hpp"
 #include "pdx/law/bond.hpp"
 
 #include <algorithm>
@@ -19,6 +20,8 @@ geom::Box<2> box_of(const std::string& name, const std::vector<double>& v, std::
   return box;
 }
 
+bool is_cloud() { return Options("pd").given("-pd_cloud"); }
+
 law::Elastic read_material(bool describe, bool& solid)
 {
   Options o("material");
@@ -34,7 +37,7 @@ law::Elastic read_material(bool describe, bool& solid)
              {-0.999, 0.4999});
   elastic.thickness =
       o.real("-material_thickness", 1.0, "m", "out-of-plane thickness; of a solid its depth", Range::positive());
-  if (!describe && solid && !o.given("-material_thickness"))
+  if (!describe && solid && !is_cloud() && !o.given("-material_thickness"))
     throw UserError("-material_thickness is missing: give the depth of the solid in m");
   elastic.density = o.real("-material_density", 0.0, "kg/m^3", "mass density; needed in time", Range::positive());
   if (!describe && std::isnan(elastic.young))
@@ -57,6 +60,18 @@ void read_patches(Options& o, PdOptions& pd)
   for (std::size_t k = 0; k < v.size(); k += 4) pd.patches.push_back(box_of("-pd_patches", v, k));
 }
 
+void require_poisson(const PdOptions& pd, const law::Elastic& elastic, bool solid, double horizon)
+{
+  try {
+    if (solid)
+      (void)law::BondLaw<3>(pd.micromodulus, elastic, horizon);
+    else
+      (void)law::BondLaw<2>(pd.micromodulus, elastic, horizon);
+  } catch (const UserError& wrong) {
+    throw UserError(fmt::format("-material_poisson is {}: {}", elastic.poisson, wrong.what()));
+  }
+}
+
 PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
 {
   Options o("pd");
@@ -66,6 +81,8 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
   static constexpr const char* corrections[] = {"auto", "none", "volume"};
   static constexpr const char* operators[] = {"auto", "matrix_free", "assembled"};
   read_patches(o, pd);
+  pd.cloud = o.text("-pd_cloud", "", "particles that lie anywhere, from a file *.csv or *.h5: position, volume, set");
+  pd.horizon = o.real("-pd_horizon", kNone, "m", "horizon of -pd_cloud", Range::positive());
   pd.spacing =
       o.reals("-pd_spacing", {}, 0, "m", "lattice spacing dx, one for all patches or one each", Range::positive());
   pd.horizon_ratio = o.real("-pd_horizon_ratio", 4.0, "-", "horizon / dx", Range::at_least(1.0));
@@ -80,20 +97,21 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
   pd.skip_tolerance = o.real("-pd_skip_tolerance", 0.0, "m",
                              "explicit: bonds among displacements up to this size are left out; 0 changes no result, "
                              "below 0 none are");
-  if (describe || !pd.any()) return pd;
+  if (describe) return pd;
+  if (o.given("-pd_horizon") && pd.cloud.empty())
+    throw UserError("-pd_horizon is that of a -pd_cloud: give -pd_horizon_ratio for particles of a lattice");
+  if (!pd.any()) return pd;
+  if (!pd.cloud.empty() && std::isnan(pd.horizon))
+    throw UserError("-pd_horizon is missing: give the horizon of the cloud's bonds in m, e.g. three particles");
+  if (!pd.cloud.empty()) {
+    require_poisson(pd, elastic, solid, pd.horizon);
+    return pd;
+  }
   if (pd.spacing.empty()) throw UserError("-pd_spacing is missing: give the lattice spacing of the patches in m");
   if (pd.spacing.size() > 1 && pd.spacing.size() != pd.patches.size())
     throw UserError(fmt::format("-pd_spacing has {} values for {} patches: give one, or one per patch",
                                 pd.spacing.size(), pd.patches.size()));
-  try {
-    const double horizon = pd.horizon_ratio * pd.spacing[0];
-    if (solid)
-      (void)law::BondLaw<3>(pd.micromodulus, elastic, horizon);
-    else
-      (void)law::BondLaw<2>(pd.micromodulus, elastic, horizon);
-  } catch (const UserError& wrong) {
-    throw UserError(fmt::format("-material_poisson is {}: {}", elastic.poisson, wrong.what()));
-  }
+  require_poisson(pd, elastic, solid, pd.horizon_ratio * pd.spacing[0]);
   for (std::size_t p = 0; p < pd.patches.size(); ++p)
     for (std::size_t q = p + 1; q < pd.patches.size(); ++q)
       if ((pd.patches[p].lower.array() <= pd.patches[q].upper.array() + 1e-9 * pd.patches[p].size().norm()).all() &&
@@ -158,11 +176,16 @@ void judge(const BoundaryCondition& c)
   for (std::size_t a = 0; a < 3; ++a)
     if (c.displacement[a] && c.velocity[a])
       throw UserError(fmt::format("{0}_velocity holds what {0}_displacement holds already: write free for one", stem));
-  if ((c.holds() || c.traction) && c.on.empty() && !c.box)
+  if ((c.holds() || c.traction) && c.on.empty() && !c.box && !c.set)
     throw UserError(fmt::format("{0}: no place given: name a boundary with {0}_on, or a box with {0}_box", stem));
-  if (c.traction && c.on.empty())
+  if (c.set && !is_cloud())
+    throw UserError(fmt::format("{0}_set is of the particles of a -pd_cloud: choose by {0}_on or {0}_box", stem));
+  if (c.traction && c.on.empty() && !is_cloud())
     throw UserError(
         fmt::format("{0}_traction needs edges: name their boundary with {0}_on (and cut it with {0}_box)", stem));
+  if (c.force && !c.at && !is_cloud()) throw UserError(fmt::format("{0}_force needs a place: give {0}_at x,y", stem));
+  if (c.at && !c.force)
+    throw UserError(fmt::format("{0}_at is the place of a point force: give {0}_force fx,fy", stem));
   if (!c.on.empty() && !c.holds() && !c.traction && !c.initial_velocity)
     throw UserError(fmt::format("{0}_on is {1}: a body force acts everywhere or in {0}_box, a point force at {0}_at; "
                                 "drop {0}_on",
@@ -192,6 +215,8 @@ BoundaryCondition read_condition(const std::string& name, bool solid, bool descr
       throw UserError(fmt::format("{}_box is {},{},{},{}: must be x0,y0,x1,y1 with x0 <= x1 and y0 <= y1", stem, box[0],
                                   box[1], box[2], box[3]));
   }
+  if (const int set = o.integer(stem + "_set", 0, "of a cloud: only particles of this set"); o.given(stem + "_set"))
+    c.set = set;
   c.displacement = read_components(o, stem + "_displacement", solid,
                                    "held displacement ux,uy (solid: ,uz) [m]; free leaves a component");
   c.velocity =
@@ -200,16 +225,14 @@ BoundaryCondition read_condition(const std::string& name, bool solid, bool descr
       read_vector(o, stem + "_initial_velocity", solid, "m/s", "velocity vx,vy at the start, free afterwards");
   c.traction = read_vector(o, stem + "_traction", solid, "Pa", "constant traction tx,ty on the boundary");
   c.body = read_vector(o, stem + "_body", solid, "N/m^3", "body force bx,by");
-  c.force = read_vector(o, stem + "_force", "N",
-                        "point force fx,fy on the nearest node or particle, shared by equally near ones");
-  const auto at = read_vector(o, stem + "_at", "m", "place x,y of the point force");
-  if (at) c.at = *at;
+  c.force = read_vector(o, stem + "_force", solid, "N",
+                        "point force fx,fy on the nearest node or particle, shared by equally near ones; of a cloud: "
+                        "on what _box and _set choose, by volume");
+  c.at = read_vector(o, stem + "_at", "m", "place x,y of the point force");
   c.history = read_history(o, stem);
   c.rows = o.integer(stem + "_rows", 1, "particle rows under the boundary that take part", {1.0, 1e6});
   c.layer = o.boolean(stem + "_layer", false, "hold a layer of one horizon of particles outside the boundary");
   if (describe) return c;
-  if (c.force && !at) throw UserError(fmt::format("{0}_force needs a place: give {0}_at x,y", stem));
-  if (at && !c.force) throw UserError(fmt::format("{0}_at is the place of a point force: give {0}_force fx,fy", stem));
   judge(c);
   return c;
 }
@@ -291,6 +314,7 @@ void judge_solid(const SceneOptions& s)
 
 void judge(const SceneOptions& s)
 {
+  if (!s.pd.cloud.empty()) return judge_cloud(s), judge_time(s);
   if (s.solid) judge_solid(s);
   const bool layered = std::any_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.layer; });
   if (layered && !s.pd.everywhere)
@@ -326,7 +350,7 @@ SceneOptions SceneOptions::read(bool describe)
   s.kinematics = static_cast<Kinematics>(
       o.choice("-kinematics", 0, kinematics, "linear; finite strain; the papers' finite bonds with linear elements"));
   try {
-    s.mesh = mesh::MeshOptions::read();
+    s.mesh = mesh::MeshOptions::read(!is_cloud());
   } catch (const UserError&) {
     if (!describe) throw;
   }

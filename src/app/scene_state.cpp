@@ -1,5 +1,6 @@
 #include "pdx/app/scene_state.hpp"
 
+#include "pdx/app/cloud_body.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/base/gather.hpp"
 
@@ -48,6 +49,7 @@ std::string lines_of(const SceneOptions& options, const Standing& scene)
     const pd::LatticePart<3>& part = *scene.solid->bonds->parts()[0];
     text += "solid = " + line_of<3>(part.lattice(), part.stencil().half.size());
   }
+  if (scene.cloud) text += fmt::format("cloud = {}\n", scene.cloud->description);
   for (std::size_t p = 0; scene.plan && p < scene.plan->shapes.size(); ++p)
     text += fmt::format("patch {} = ", p + 1) +
             line_of<2>(scene.plan->shapes[p].lattice, scene.plan->stencils[p].half.size());
@@ -75,13 +77,8 @@ template <class Visit> void SceneState::with_bonds(Visit&& visit) const
 {
   if (scene_.solid)
     visit(*scene_.solid->bonds);
-  else if (scene_.d->bonds)
+  else if (scene_.d && scene_.d->bonds)
     visit(*scene_.d->bonds);
-}
-
-std::span<const pd::Particle> SceneState::particles() const
-{
-  return scene_.solid ? scene_.solid->particles : scene_.d->particles;
 }
 
 void SceneState::number_rows()
@@ -97,6 +94,7 @@ void SceneState::number_rows()
     for (const auto& part : bonds.parts())
       first_.push_back(first_.back() + static_cast<PetscInt>(part->lattice().total()));
   });
+  if (scene_.cloud) first_.push_back(first_.back() + model_.system.rows.total);
 
   std::vector<PetscInt> held, particles;
   if (scene_.d)
@@ -104,7 +102,7 @@ void SceneState::number_rows()
   for (const SetName& name : mine)
     held.push_back(scene_.mesh->global_vertices() +
                    static_cast<PetscInt>(std::ranges::lower_bound(all, name) - all.begin()));
-  for (const pd::Particle& p : this->particles()) {
+  for (const pd::Particle& p : model_.particles) {
     held.push_back(first_[0] + particle_number(p.patch, p.site));
     particles.push_back(particle_number(p.patch, p.site));
   }
@@ -147,13 +145,14 @@ void SceneState::write(io::Hdf5File& file, const solve::TimeDriver& driver) cons
   if (!model_.breaker) return;
 
   std::vector<std::uint64_t> words;
+  if (scene_.cloud) words = scene_.cloud->words();
   with_bonds([&](const auto& bonds) {
     for (const auto& part : bonds.parts())
       for (Index k = 0; k < static_cast<Index>(part->sites().size()); ++k)
         for (const std::uint64_t word : part->words_of(k)) words.push_back(word);
   });
-  const std::vector<std::uint64_t> block = particles_->to_table(words, 2);
-  file.dataset("/bond_words", std::span<const std::uint64_t>(block), 2);
+  const std::vector<std::uint64_t> block = particles_->to_table(words, words_per_particle());
+  file.dataset("/bond_words", std::span<const std::uint64_t>(block), words_per_particle());
   if (!scene_.d || !scene_.d->carried) return;
   std::vector<std::uint64_t> keys = gather_all(model_.system.rows.comm, scene_.d->carried->broken());
   std::ranges::sort(keys);
@@ -162,6 +161,8 @@ void SceneState::write(io::Hdf5File& file, const solve::TimeDriver& driver) cons
   if (rank) keys.clear();
   file.dataset("/broken_carried_bonds", std::span<const std::uint64_t>(keys), 1);
 }
+
+int SceneState::words_per_particle() const { return scene_.cloud ? scene_.cloud->words_per_particle() : 2; }
 
 std::vector<double> SceneState::read_rows(const io::Hdf5Reader& file, const std::string& name) const
 {
@@ -173,8 +174,10 @@ std::vector<double> SceneState::read_rows(const io::Hdf5Reader& file, const std:
 
 void SceneState::read_bonds(const io::Hdf5Reader& file) const
 {
-  std::vector<std::uint64_t> block(2 * static_cast<std::size_t>(particles_->rows()));
-  file.read("/bond_words", particles_->first(), 2, std::span<std::uint64_t>(block));
+  const int width = words_per_particle();
+  std::vector<std::uint64_t> block(static_cast<std::size_t>(width) * static_cast<std::size_t>(particles_->rows()));
+  file.read("/bond_words", particles_->first(), width, std::span<std::uint64_t>(block));
+  if (scene_.cloud) return scene_.cloud->set_words(particles_->from_table(block, width));
   with_bonds([&](auto& bonds) {
     for (std::size_t p = 0; p < bonds.parts().size(); ++p) {
       std::vector<PetscInt> wanted;
@@ -225,7 +228,7 @@ void SceneState::write_cracks(io::Hdf5File& file, const CrackNotes& notes) const
   file.attribute(kArrivals, "time", tracker.time);
   file.attribute(kArrivals, "largest_speed", tracker.largest_speed);
   file.attribute(kArrivals, "bonds_broken", static_cast<double>(notes.bonds_broken));
-  std::vector<double> damage(particles().size(), 0.0);
+  std::vector<double> damage(model_.particles.size(), 0.0);
   auto watched = tracker.damage.begin();
   for (std::size_t k = 0; k < damage.size(); ++k)
     if (is_watched(k)) damage[k] = *watched++;

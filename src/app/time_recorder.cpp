@@ -182,7 +182,8 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
 /// Tiles of bonds in all passes of an explicit run.
 void TimeRecorder::write_tiles()
 {
-  if (files_.summary.unknowns.pd == 0 || files_.options.time.analysis != Analysis::explicit_dynamics) return;
+  if (files_.summary.unknowns.pd == 0 || files_.scene.cloud) return;
+  if (files_.options.time.analysis != Analysis::explicit_dynamics) return;
   std::int64_t tiles[] = {d_->tiles().computed, d_->tiles().skipped};
   MPI_Allreduce(MPI_IN_PLACE, tiles, 2, MPI_INT64_T, MPI_SUM, files_.comm());
   files_.summary.results["pd_tiles_computed"] = tiles[0];

@@ -42,4 +42,33 @@ template <int Dim> void StepBreaker<Dim>::restore()
 
 template class StepBreaker<2>;
 template class StepBreaker<3>;
+
+template <int Dim>
+CloudBreaker<Dim>::CloudBreaker(pd::CloudTerm<Dim>& bonds, double critical_stretch,
+                                std::span<const geom::Box<2>> no_fail)
+    : bonds_(bonds)
+{
+  bonds_.watch(critical_stretch, no_fail);
+  CloudBreaker<Dim>::save();
+}
+
+template <int Dim> void CloudBreaker<Dim>::apply(std::span<const double> u, field::ForceLosses& losses)
+{
+  if (bonds_.overstretched_seen()) this->now_ += bonds_.break_overstretched(u, losses);
+}
+
+template <int Dim> void CloudBreaker<Dim>::save()
+{
+  bonds_.save();
+  this->saved_ = this->now_;
+}
+
+template <int Dim> void CloudBreaker<Dim>::restore()
+{
+  bonds_.restore();
+  this->now_ = this->saved_;
+}
+
+template class CloudBreaker<2>;
+template class CloudBreaker<3>;
 } // namespace pdx::couple

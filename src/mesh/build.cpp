@@ -197,7 +197,7 @@ double imbalance(MPI_Comm comm, const std::vector<PetscInt>& costs)
 }
 } // namespace
 
-MeshOptions MeshOptions::read()
+MeshOptions MeshOptions::read(bool needed)
 {
   Options options("mesh");
   MeshOptions o;
@@ -213,6 +213,7 @@ MeshOptions MeshOptions::read()
                                 cells[0], cells[1], count, kMostCells));
   o.cells = {cells[0], cells[1]};
   if (!o.file.empty()) return o;
+  if (!needed && lower.empty() && upper.empty()) return o;
   if (lower.empty() || upper.empty())
     throw UserError("there is no mesh: give -mesh_file FILE, or a box by -mesh_lower x,y -mesh_upper x,y "
                     "-mesh_cells nx,ny");

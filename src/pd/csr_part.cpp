@@ -3,6 +3,8 @@
 #include "pdx/base/error.hpp"
 #include "pdx/law/bond_force.hpp"
 
+#include "cell_grid.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -10,89 +12,18 @@
 namespace pdx::pd {
 namespace {
 constexpr double kRounding = 1e-9; // of lengths over particle sizes, as for lattices
+} // namespace
 
-template <int Dim> double size_of(double volume, double thickness)
+template <int Dim> double particle_size(double volume, double thickness)
 {
   return Dim == 2 ? std::sqrt(volume / thickness) : std::cbrt(volume);
 }
-
-/// Points sorted into cubes, to find those near a point among 3^Dim cubes.
-template <int Dim> class CellGrid {
-public:
-  CellGrid(const std::vector<Vector<Dim>>& points, double side) : side_(side)
-  {
-    lower_ = points.front();
-    Vector<Dim> upper = points.front();
-    for (const Vector<Dim>& x : points) {
-      lower_ = lower_.cwiseMin(x).eval();
-      upper = upper.cwiseMax(x).eval();
-    }
-    std::size_t cells = 1;
-    double budget = 4.0 * static_cast<double>(points.size()) + 64.0; // cubes; wider ones where the cloud is thin
-    for (double total = 1.0;; side_ *= 1.5, total = 1.0) {
-      for (int d = 0; d < Dim; ++d) total *= std::floor((upper[d] - lower_[d]) / side_) + 1.0;
-      if (total <= budget) break;
-    }
-    for (int d = 0; d < Dim; ++d) {
-      count_[d] = static_cast<Index>((upper[d] - lower_[d]) / side_) + 1;
-      cells *= static_cast<std::size_t>(count_[d]);
-    }
-    first_.assign(cells + 1, 0);
-    for (const Vector<Dim>& x : points) ++first_[number(cell(x)) + 1];
-    for (std::size_t c = 0; c < cells; ++c) first_[c + 1] += first_[c];
-    order_.resize(points.size());
-    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-    for (std::size_t k = 0; k < points.size(); ++k) order_[next[number(cell(points[k]))]++] = static_cast<Index>(k);
-  }
-
-  /// All points less than a cube's side away from x, and others, in ascending order.
-  void near(const Vector<Dim>& x, std::vector<Index>& found) const
-  {
-    found.clear();
-    const Site<Dim> centre = cell(x);
-    constexpr int cubes = Dim == 2 ? 9 : 27;
-    for (int cube = 0; cube < cubes; ++cube) {
-      Site<Dim> at = centre;
-      bool inside = true;
-      for (std::size_t d = 0, digits = static_cast<std::size_t>(cube); d < Dim; ++d, digits /= 3) {
-        at[d] += static_cast<Index>(digits % 3) - 1;
-        inside &= at[d] >= 0 && at[d] < count_[d];
-      }
-      if (!inside) continue;
-      const auto begin = order_.begin();
-      found.insert(found.end(), begin + static_cast<std::ptrdiff_t>(first_[number(at)]),
-                   begin + static_cast<std::ptrdiff_t>(first_[number(at) + 1]));
-    }
-    std::sort(found.begin(), found.end());
-  }
-
-private:
-  Site<Dim> cell(const Vector<Dim>& x) const
-  {
-    Site<Dim> at{};
-    for (int d = 0; d < Dim; ++d)
-      at[static_cast<std::size_t>(d)] =
-          std::clamp(static_cast<Index>((x[d] - lower_[d]) / side_), Index{0}, count_[static_cast<std::size_t>(d)] - 1);
-    return at;
-  }
-  std::size_t number(const Site<Dim>& at) const
-  {
-    std::size_t n = 0;
-    for (std::size_t d = Dim; d-- > 0;) n = n * static_cast<std::size_t>(count_[d]) + static_cast<std::size_t>(at[d]);
-    return n;
-  }
-
-  double side_;
-  Vector<Dim> lower_;
-  Site<Dim> count_{};
-  std::vector<std::size_t> first_;
-  std::vector<Index> order_;
-};
-} // namespace
+template double particle_size<2>(double, double);
+template double particle_size<3>(double, double);
 
 template <int Dim>
-CsrPart<Dim>::CsrPart(const Cloud<Dim>& cloud, Index owned, const CloudOptions& options)
-    : options_(options), law_(options.micromodulus, options.elastic, options.horizon)
+CsrPart<Dim>::CsrPart(const Cloud<Dim>& cloud, Index owned, const CloudOptions& options, std::span<const Index> numbers)
+    : options_(options), law_(options.micromodulus, options.elastic, options.horizon), volumes_(cloud.volumes)
 {
   if (Dim == 2 && options.thickness != options.elastic.thickness)
     throw UserError(fmt::format("the particles are {:g} m thick but the material is {:g} m thick; give one thickness",
@@ -100,20 +31,21 @@ CsrPart<Dim>::CsrPart(const Cloud<Dim>& cloud, Index owned, const CloudOptions& 
   for (const Vector<Dim>& x : cloud.points) points_.insert(points_.end(), x.begin(), x.end());
   if (cloud.points.empty()) return;
   const double largest = *std::max_element(cloud.volumes.begin(), cloud.volumes.end());
-  const CellGrid<Dim> grid(cloud.points, options.horizon + size_of<Dim>(largest, options.thickness));
+  const CellGrid<Dim> grid(cloud.points, options.horizon + particle_size<Dim>(largest, options.thickness));
   std::vector<Index> near;
   for (Index i = 0; i < owned; ++i) {
     grid.near(cloud.points[static_cast<std::size_t>(i)], near);
+    if (!numbers.empty()) std::ranges::sort(near, {}, [&](Index j) { return numbers[static_cast<std::size_t>(j)]; });
     add_bonds_of(i, cloud, near);
   }
   intact_.assign(neighbour_.size(), 1);
-  if (owned > 1 && neighbour_.empty())
+  if (owned > 1 && static_cast<std::size_t>(owned) == cloud.points.size() && neighbour_.empty())
     throw UserError(fmt::format("particles: no two of them are within the horizon of {:g} m", options.horizon));
 }
 
 template <int Dim> double CsrPart<Dim>::share(double length, double volume) const
 {
-  const double size = size_of<Dim>(volume, options_.thickness), beyond = (length - options_.horizon) / size;
+  const double size = particle_size<Dim>(volume, options_.thickness), beyond = (length - options_.horizon) / size;
   const bool conical = options_.micromodulus == law::Micromodulus::conical;
   if (beyond > (conical ? -kRounding : 0.5 - kRounding)) return 0.0;
   return std::clamp(0.5 - beyond, 0.0, 1.0);
@@ -121,7 +53,7 @@ template <int Dim> double CsrPart<Dim>::share(double length, double volume) cons
 
 template <int Dim> double CsrPart<Dim>::kappa(double length, double volume_i, double volume_j) const
 {
-  return law_.constant(length) * 0.5 * (share(length, volume_i) + share(length, volume_j)) * volume_i * volume_j;
+  return law_.constant(length) * 0.5 * (share(length, volume_i) + share(length, volume_j)) * (volume_i * volume_j);
 }
 
 template <int Dim> void CsrPart<Dim>::add_bonds_of(Index i, const Cloud<Dim>& cloud, std::span<const Index> near)
@@ -160,23 +92,66 @@ CsrSeen CsrPart<Dim>::add_force(Kinematics kinematics, double critical_stretch, 
   return add_gathered_force<Dim>(chosen_processor(), view(), kinematics, critical_stretch, u.data(), r.data(), energy);
 }
 
-template <int Dim> Broken CsrPart<Dim>::break_bonds(const BreakRule& rule, std::span<const double> u)
+template <int Dim> bool CsrPart<Dim>::counts(std::size_t i, std::size_t j) const
+{
+  const double *x = points_.data() + i * Dim, *y = points_.data() + j * Dim;
+  return std::lexicographical_compare(x, x + Dim, y, y + Dim);
+}
+
+template <int Dim>
+Broken CsrPart<Dim>::break_bonds(const BreakRule& rule, std::span<const double> u, field::ForceLosses* losses)
 {
   Broken broken;
   for (const std::int64_t bond : break_csr_bonds<Dim>(view(), rule, u.data(), intact_.data())) {
-    const auto b = static_cast<std::size_t>(bond);
-    const auto i = std::upper_bound(first_.begin(), first_.end(), bond) - first_.begin() - 1;
-    const std::ptrdiff_t j = neighbour_[b];
-    const double *x = points_.data() + i * Dim, *y = points_.data() + j * Dim;
-    if (!std::lexicographical_compare(x, x + Dim, y, y + Dim)) continue;
-    const Eigen::Map<const Vector<Dim>> at(x), to(y), ui(u.data() + i * Dim), uj(u.data() + j * Dim);
-    const Vector<Dim> xi = to - at, eta = uj - ui;
-    const double stretch = rule.kinematics == Kinematics::finite ? law::finite_state<Dim>(xi, length_[b], eta).stretch
-                                                                 : law::linear_state<Dim>(xi, length_[b], eta).stretch;
+    const auto b = static_cast<std::size_t>(bond), j = static_cast<std::size_t>(neighbour_[b]);
+    const auto i = static_cast<std::size_t>(std::ranges::upper_bound(first_, bond) - first_.begin() - 1);
+    using Place = Eigen::Map<const Vector<Dim>>;
+    const Vector<Dim> xi = Place(points_.data() + j * Dim) - Place(points_.data() + i * Dim),
+                      eta = Place(u.data() + j * Dim) - Place(u.data() + i * Dim);
+    const law::BondState<Dim> state = rule.kinematics == Kinematics::finite
+                                          ? law::finite_state<Dim>(xi, length_[b], eta)
+                                          : law::linear_state<Dim>(xi, length_[b], eta);
+    const double kappa = weight_[b] * length_[b];
+    for (int d = 0; losses && d < Dim; ++d)
+      losses->push_back({static_cast<Index>(i) * Dim + d, -kappa * state.stretch * state.direction[d]});
+    if (!counts(i, j)) continue;
     ++broken.bonds;
-    broken.energy += law::bond_energy(weight_[b] * length_[b], length_[b], stretch);
+    broken.energy += law::bond_energy(kappa, length_[b], state.stretch);
   }
   return broken;
+}
+
+template <int Dim> std::int64_t CsrPart<Dim>::cut(const crack::CrackSet& cracks)
+{
+  std::int64_t count = 0;
+  const double longest = length_.empty() ? 0.0 : *std::ranges::max_element(length_);
+  const auto in_plane = [&](std::size_t i) { return Vector<2>(points_[i * Dim], points_[i * Dim + 1]); };
+  for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
+    if (!cracks.near(in_plane(i), longest)) continue;
+    for (auto b = static_cast<std::size_t>(first_[i]); b < static_cast<std::size_t>(first_[i + 1]); ++b) {
+      const auto j = static_cast<std::size_t>(neighbour_[b]);
+      if (!intact_[b] || !cracks.cuts(in_plane(i), in_plane(j))) continue;
+      intact_[b] = 0;
+      count += counts(i, j);
+    }
+  }
+  return count;
+}
+
+template <int Dim> void CsrPart<Dim>::keep_only(std::span<const std::uint8_t> intact)
+{
+  for (std::size_t b = 0; b < intact_.size(); ++b) intact_[b] &= intact[b];
+}
+
+template <int Dim> std::vector<double> CsrPart<Dim>::bonded_volume() const
+{
+  std::vector<double> sums;
+  for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
+    sums.push_back(0.0);
+    for (auto b = static_cast<std::size_t>(first_[i]); b < static_cast<std::size_t>(first_[i + 1]); ++b)
+      if (intact_[b]) sums.back() += weight_[b] * length_[b] / (law_.constant(length_[b]) * volumes_[i]);
+  }
+  return sums;
 }
 
 template class CsrPart<2>;

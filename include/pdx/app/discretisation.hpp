@@ -12,7 +12,6 @@ namespace pdx::app {
 struct Discretisation final : Model {
   std::vector<PetscInt> node_rows;          ///< global row of each local vertex, -1 under a patch
   std::vector<Index> nodes;                 ///< owned vertices with a row, in order of rows
-  std::vector<pd::Particle> particles;      ///< owned, in order of rows
   std::unique_ptr<xfem::EnrichedSets> sets; ///< null without cracks
   std::vector<couple::Surroundings> around; ///< one per patch
   std::unique_ptr<couple::NodeField> node_field;

@@ -3,6 +3,7 @@
 #include "pdx/couple/step_breaker.hpp"
 #include "pdx/field/output_field.hpp"
 #include "pdx/field/system.hpp"
+#include "pdx/pd/particles.hpp"
 #include "pdx/post/energy_ledger.hpp"
 
 #include <map>
@@ -26,6 +27,7 @@ struct Model {
   crack::CrackSet cracks;
   geom::Box<2> body; ///< in the plane, that the cracks are in [m]
   field::System system;
+  std::vector<pd::Particle> particles;    ///< owned, in order of rows
   couple::BondBreaker* breaker = nullptr; ///< borrowed from system.after_step; null in statics or if nothing can break
   std::vector<double> critical_stretch;   ///< per patch [-]; empty if nothing can break
   std::vector<HeldPart> held_parts;

@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/app/cloud_body.hpp"
 #include "pdx/app/discretisation.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/field/output_field.hpp"
@@ -13,4 +14,9 @@ std::vector<field::OutputBlock> output_blocks(const mesh::Mesh& mesh, const Scen
 
 /// The particles of a solid, with the same fields. Collective.
 std::vector<field::OutputBlock> solid_blocks(const SceneOptions& options, const Solid& solid, Vec u);
+
+/// The particles of a cloud with displacement, velocity, damage, volume, set and rank. Collective.
+/// @param velocity of owned components [m/s]
+std::vector<field::OutputBlock> cloud_blocks(const SceneOptions& options, const CloudModel& cloud, Vec u,
+                                             std::span<const double> velocity);
 } // namespace pdx::app

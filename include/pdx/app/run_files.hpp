@@ -8,20 +8,24 @@
 
 namespace pdx::app {
 struct Solid;
+struct CloudModel;
 
-/// The scene a run is about, once it stands: in the plane or in space. All that is pointed to must outlive the run.
+/// The scene a run is about, once it stands: in the plane, in space, or a cloud in either. All that is pointed to must
+/// outlive the run.
 struct Standing {
   Standing() = default;
   Standing(mesh::Mesh* background, const PatchPlan* patches, const Discretisation* plane)
       : mesh(background), plan(patches), d(plane), model(plane)
   {}
   Standing(mesh::Mesh* background, const Solid* space);
+  Standing(mesh::Mesh* background, CloudModel* particles);
 
   mesh::Mesh* mesh = nullptr;
-  const PatchPlan* plan = nullptr;   ///< null in space
-  const Discretisation* d = nullptr; ///< null in space
-  const Solid* solid = nullptr;      ///< null in the plane
-  const Model* model = nullptr;      ///< what d or solid is
+  const PatchPlan* plan = nullptr;   ///< null in space and of a cloud
+  const Discretisation* d = nullptr; ///< likewise
+  const Solid* solid = nullptr;      ///< null in the plane and of a cloud
+  CloudModel* cloud = nullptr;       ///< of a cloud only
+  const Model* model = nullptr;      ///< what d, solid or cloud is
 };
 
 /// A run that goes on from a checkpoint. If its files lie here, they go on too.
@@ -53,7 +57,8 @@ public:
   MPI_Comm comm() const { return comm_; }
   const SceneOptions& options;
   Standing scene;
-  Continued continued; ///< to be set before `built`
+  Continued continued;              ///< to be set before `built`
+  std::span<const double> velocity; ///< of owned components, in time; for fields [m/s]
   io::Progress progress;
   io::Summary summary;
   std::unique_ptr<io::FieldsFile> fields; ///< null: not asked for

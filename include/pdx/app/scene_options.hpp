@@ -19,16 +19,17 @@ struct BoundaryCondition {
   std::string name;
   std::string on;                                    ///< boundary of the mesh, "" if chosen by a box alone
   std::optional<geom::Box<2>> box;                   ///< only what lies in it [m]
+  std::optional<Index> set;                          ///< only particles of it; clouds only
   std::array<std::optional<double>, 3> displacement; ///< held components [m]
   std::array<std::optional<double>, 3> velocity;     ///< the same, moved in time [m/s]
   std::optional<Vector<3>> initial_velocity;         ///< free afterwards [m/s]
   std::optional<field::History> history;             ///< of all but the initial velocity; none: constant
   std::optional<Vector<3>> traction;                 ///< [Pa]
   std::optional<Vector<3>> body;                     ///< [N/m^3]
-  std::optional<Vector<2>> force;                    ///< at the node or particle nearest to `at` [N]
-  Vector<2> at = Vector<2>::Zero();                  ///< [m]
-  int rows = 1;                                      ///< particle rows under the boundary that take part
-  bool layer = false;                                ///< held particles in a layer of one horizon outside the body
+  std::optional<Vector<3>> force; ///< at the node or particle nearest to `at`; of a cloud: in all, by volume [N]
+  std::optional<Vector<2>> at;    ///< [m]
+  int rows = 1;                   ///< particle rows under the boundary that take part
+  bool layer = false;             ///< held particles in a layer of one horizon outside the body
   bool moves() const { return velocity[0] || velocity[1] || velocity[2]; }
   bool holds() const { return displacement[0] || displacement[1] || displacement[2] || moves(); }
 };
@@ -36,6 +37,8 @@ struct BoundaryCondition {
 struct PdOptions {
   bool everywhere = false;           ///< -pd_patches all
   std::vector<geom::Box<2>> patches; ///< [m]
+  std::string cloud;                 ///< file of particles that lie anywhere; they stand alone
+  double horizon = 0.0;              ///< of a cloud [m]
   std::vector<double> spacing;       ///< one, or one per patch [m]
   double horizon_ratio = 4.0;
   law::Micromodulus micromodulus = law::Micromodulus::conical;
@@ -43,7 +46,7 @@ struct PdOptions {
   SurfaceCorrection surface_correction = SurfaceCorrection::automatic;
   PdOperator solver = PdOperator::automatic;
   double skip_tolerance = 0.0; ///< explicit: bonds whose displacements do not exceed it are skipped; below 0: none [m]
-  bool any() const { return everywhere || !patches.empty(); }
+  bool any() const { return everywhere || !patches.empty() || !cloud.empty(); }
   double spacing_of(std::size_t patch) const { return spacing.size() == 1 ? spacing[0] : spacing[patch]; }
 };
 

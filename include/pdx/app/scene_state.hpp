@@ -31,7 +31,7 @@ private:
   void read_bonds(const io::Hdf5Reader& file) const;
 
   template <class Visit> void with_bonds(Visit&& visit) const;
-  std::span<const pd::Particle> particles() const;
+  int words_per_particle() const; ///< of their bonds
 
   Standing scene_;
   const Model& model_;

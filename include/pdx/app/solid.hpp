@@ -25,8 +25,7 @@ std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const SolidPlan
 
 /// Rows, Terms and conditions of a solid, ready to be stepped explicitly.
 struct Solid final : Model {
-  std::vector<pd::Particle> particles; ///< owned, in order of rows
-  pd::BondTerm<3>* bonds = nullptr;    ///< borrowed from system.terms
+  pd::BondTerm<3>* bonds = nullptr; ///< borrowed from system.terms
 
   post::Energies energies(std::span<const double> local) const override;
   Tiles tiles() const override { return {bonds->tiles_computed(), bonds->tiles_skipped()}; }

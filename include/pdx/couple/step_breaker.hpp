@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/couple/fracture.hpp"
 #include "pdx/field/after_step.hpp"
+#include "pdx/pd/cloud_term.hpp"
 
 namespace pdx::couple {
 /// What breaks bonds after each time step, in the plane or in space.
@@ -34,5 +35,19 @@ private:
   CarriedBonds<Dim>* carried_;
   Steps steps_;
   std::vector<pd::BreakRule> rules_;
+};
+
+/// The same for the bonds of a cloud.
+template <int Dim> class CloudBreaker final : public BondBreaker {
+public:
+  /// @param no_fail no bond with an end in one of these boxes breaks [m]
+  CloudBreaker(pd::CloudTerm<Dim>& bonds, double critical_stretch, std::span<const geom::Box<2>> no_fail);
+
+  void apply(std::span<const double> u, field::ForceLosses& losses) override;
+  void save() override;
+  void restore() override;
+
+private:
+  pd::CloudTerm<Dim>& bonds_;
 };
 } // namespace pdx::couple

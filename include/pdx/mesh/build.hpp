@@ -11,7 +11,8 @@ struct MeshOptions {
   std::string file;                 ///< -mesh_file    Gmsh file of four-node cells; "" for a box
   geom::Box<2> box;                 ///< -mesh_lower, -mesh_upper [m]
   std::array<Index, 2> cells{0, 0}; ///< -mesh_cells   cells per direction of a box; 0,0 if not given
-  static MeshOptions read();        ///< parses; throws UserError for what can never be right
+  /// Parses; throws UserError for what can never be right, and for no mesh at all if one is needed.
+  static MeshOptions read(bool needed = true);
 };
 
 /// Cost of a cell, from its corners (counter-clockwise), in any unit; must be above 0.
