@@ -161,7 +161,7 @@ std::unique_ptr<CloudBody<Dim>> discretise(MPI_Comm comm, const SceneOptions& op
       fmt::format("{} particles {}, horizon {} m", plan.particles.points.size(), plan.fingerprint, options.pd.horizon);
   number_rows<Dim>(comm, plan.particles, *body);
   add_bonds<Dim>(options, plan.particles, *body);
-  apply_conditions<Dim>(options, *body);
+  apply_conditions<Dim>(options, plan.particles, *body);
   body->system.bind();
   add_fracture<Dim>(options, *body);
   return body;

@@ -7,8 +7,8 @@ namespace pdx::app {
 namespace {
 template <int Dim> class Conditions {
 public:
-  Conditions(const SceneOptions& options, CloudBody<Dim>& body)
-      : options_(options), body_(body), entries_(options, body)
+  Conditions(const SceneOptions& options, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body)
+      : options_(options), cloud_(cloud), body_(body), entries_(options, body)
   {}
 
   void apply()
@@ -19,21 +19,24 @@ public:
       if (!c.body && !c.force) continue;
       force_.assign(static_cast<std::size_t>(body_.system.rows.owned()) * Dim, 0.0);
       if (c.body) add(rows_of(c, "body force"), *c.body);
-      if (c.force) spread(rows_of(c, "force"), *c.force);
+      if (c.force) add(rows_of(c, "force"), *c.force / chosen_volume(c));
       entries_.load(c, force_);
     }
     entries_.finish();
   }
 
 private:
+  bool chosen(const BoundaryCondition& c, std::size_t number) const
+  {
+    if (c.box && !c.box->contains(cloud_.points[number].template head<2>(), 1e-6 * options_.pd.horizon)) return false;
+    return !c.set || *c.set == cloud_.sets[number];
+  }
+
   std::set<Index> rows_of(const BoundaryCondition& c, const char* what) const
   {
     std::set<Index> rows;
-    for (Index k = 0; k < body_.system.rows.owned(); ++k) {
-      const double* x = &body_.system.coordinates[static_cast<std::size_t>(Dim * k)];
-      const bool inside = !c.box || c.box->contains(Vector<2>(x[0], x[1]), 1e-6 * options_.pd.horizon);
-      if (inside && (!c.set || *c.set == body_.sets[static_cast<std::size_t>(k)])) rows.insert(k);
-    }
+    for (std::size_t k = 0; k < body_.particles.size(); ++k)
+      if (chosen(c, static_cast<std::size_t>(body_.particles[k].site))) rows.insert(static_cast<Index>(k));
     if (any_rank(body_.system.rows.comm, !rows.empty())) return rows;
     if (c.set && !c.box)
       throw UserError(fmt::format("-bc_{}_set is {}: no particle has it for the {} to act on", c.name, *c.set, what));
@@ -49,16 +52,17 @@ private:
             body_.bonds->volumes()[static_cast<std::size_t>(row)] * density[a];
   }
 
-  /// By volume.
-  void spread(const std::set<Index>& rows, const Vector<3>& force)
+  /// On all ranks, summed in the order of the file, so that nothing depends on their number [m^3].
+  double chosen_volume(const BoundaryCondition& c) const
   {
     double volume = 0.0;
-    for (const Index row : rows) volume += body_.bonds->volumes()[static_cast<std::size_t>(row)];
-    MPI_Allreduce(MPI_IN_PLACE, &volume, 1, MPI_DOUBLE, MPI_SUM, body_.system.rows.comm);
-    add(rows, force / volume);
+    for (std::size_t number = 0; number < cloud_.points.size(); ++number)
+      if (chosen(c, number)) volume += cloud_.volumes[number];
+    return volume;
   }
 
   const SceneOptions& options_;
+  const pd::Cloud<Dim>& cloud_;
   CloudBody<Dim>& body_;
   Prescriptions entries_;
   std::vector<double> force_; // of one condition [N]
@@ -89,12 +93,12 @@ void judge_condition(const BoundaryCondition& c)
 }
 } // namespace
 
-template <int Dim> void apply_conditions(const SceneOptions& options, CloudBody<Dim>& body)
+template <int Dim> void apply_conditions(const SceneOptions& options, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body)
 {
-  Conditions<Dim>(options, body).apply();
+  Conditions<Dim>(options, cloud, body).apply();
 }
-template void apply_conditions<2>(const SceneOptions&, CloudBody<2>&);
-template void apply_conditions<3>(const SceneOptions&, CloudBody<3>&);
+template void apply_conditions<2>(const SceneOptions&, const pd::Cloud<2>&, CloudBody<2>&);
+template void apply_conditions<3>(const SceneOptions&, const pd::Cloud<3>&, CloudBody<3>&);
 
 void judge_cloud(const SceneOptions& s)
 {

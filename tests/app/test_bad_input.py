@@ -48,6 +48,20 @@ SOLID = {key: value for key, value in PLATE.items() if not key.startswith("-bc_"
     "-bc_left_on": "left",
     "-bc_left_velocity": "1,free,0",
 }
+# 10 x 8 particles 0.1 m apart from a file, those of the left column in set 1; moved at the left, pulled at the top.
+CLOUD = {key: value for key, value in PLATE.items() if not key.startswith(("-bc_", "-mesh_"))} | {
+    "-pd_cloud": "{dir}/good.csv",
+    "-pd_horizon": "0.3",
+    "-material_density": "1000",
+    "-analysis": "explicit",
+    "-ts_max_steps": "3",
+    "-bc_names": "left,top",
+    "-bc_left_set": "1",
+    "-bc_left_velocity": "1,free",
+    "-bc_top_box": "0,0.7,1,0.8",
+    "-bc_top_force": "0,1e5",
+}
+POINTS = [(0.1 * i + 0.05, 0.1 * j + 0.05) for j in range(8) for i in range(10)]
 # The same plate from a file: no box options.
 FILE = {key: value for key, value in PLATE.items() if key not in ("-mesh_lower", "-mesh_upper", "-mesh_cells")}
 
@@ -73,6 +87,14 @@ FILES = {
     "odd.cracks": "0 0.55 0.3\n",
     "comment.cracks": "# nothing but words\n\n",
     "outside.cracks": "0 0.55 0.3 0.55\n0 55 30 55\n",
+    "good.csv": "x,y,volume,set\n" + "".join(f"{x},{y},0.01,{int(x < 0.1)}\n" for x, y in POINTS),
+    "space.csv": "x,y,z,volume\n" + "".join(f"{x},{y},{z},0.001\n" for z in (0, 0.1) for x, y in POINTS),
+    "columns.csv": "x,y,mass\n0,0,1\n1,0,1\n",
+    "short.csv": "x,y,volume\n0,0,1\n1,0\n",
+    "negative.csv": "x,y,volume\n0,0,1\n1,0,-1\n",
+    "nobody.csv": "x,y,volume\n",
+    "twice.csv": "x,y,volume,set\n" + "".join(f"{x},{y},0.01,1\n" for x, y in [*POINTS, POINTS[7]]),
+    "cloud.h5": "no HDF5\n",
 }
 
 
@@ -96,6 +118,11 @@ def on(base):
 
 
 plate, patch, solid = map(on, (PLATE, PATCH, SOLID))
+
+
+def cloud(name, pattern, **change):
+    """A case on particles from a file."""
+    return Case(name, {f"-{key}": value for key, value in change.items()}, pattern, CLOUD)
 
 
 def from_file(name, pattern, file):
@@ -309,6 +336,45 @@ CASES = [
     solid("four components", r"-bc_left_velocity\b.*4.*2 or 3", bc_left_velocity="1,0,0,0"),
     solid("traction of four components", r"-bc_left_traction\b.*4 values.*2", bc_left_traction="1,0,0,0"),
     patch("side of a solid in the plane", r"-bc_left_on\b.*front.*\bleft\b", bc_left_on="front"),
+    # --- clouds
+    cloud("cloud that is not there", r"-pd_cloud\b.*cannot read.*nowhere\.csv", pd_cloud="{dir}/nowhere.csv"),
+    cloud("cloud without a name", r"-pd_cloud\b", pd_cloud=""),
+    cloud("cloud of another kind", r"-pd_cloud\b.*good\.cracks.*\.csv", pd_cloud="{dir}/good.cracks"),
+    cloud("cloud that is no HDF5", r"-pd_cloud\b.*cloud\.h5.*HDF5", pd_cloud="{dir}/cloud.h5"),
+    cloud("cloud with other columns", r"-pd_cloud\b.*columns\.csv.*x,y,mass.*x,y,volume\[,set\]",
+          pd_cloud="{dir}/columns.csv"),
+    cloud("cloud in space read in the plane", r"-pd_cloud\b.*x,y,z,volume.*x,y,volume\[,set\]",
+          pd_cloud="{dir}/space.csv"),
+    cloud("cloud with a short line", r"-pd_cloud\b.*line 3\b.*short\.csv.*3 numbers", pd_cloud="{dir}/short.csv"),
+    cloud("cloud with a negative volume", r"-pd_cloud\b.*particle 2\b.*-1.*above 0", pd_cloud="{dir}/negative.csv"),
+    cloud("cloud of nobody", r"-pd_cloud\b.*nobody\.csv.*none", pd_cloud="{dir}/nobody.csv"),
+    cloud("cloud with a particle twice", r"-pd_cloud\b.*in one place.*0\.75, 0\.05", pd_cloud="{dir}/twice.csv"),
+    cloud("cloud without a horizon", r"-pd_horizon is missing\b", pd_horizon=None),
+    cloud("horizon of nothing", r"-pd_horizon is 0\b.*above 0", pd_horizon="0"),
+    cloud("horizon without neighbours", r"-pd_cloud\b.*horizon of 0\.04", pd_horizon="0.04"),
+    patch("horizon of a cloud in a patch", r"-pd_horizon\b.*-pd_cloud\b.*-pd_horizon_ratio", pd_horizon="0.2"),
+    cloud("set that no particle has", r"-bc_left_set\b.*7\b.*no particle has it", bc_left_set="7"),
+    cloud("box beside the cloud", r"-bc_top_box\b.*no particle lies there", bc_top_box="5,5,6,6"),
+    cloud("set that is not in the box", r"-bc_top_box\b.*no particle of the set 1\b", bc_top_set="1",
+          bc_top_box="0.5,0.5,1,1"),
+    patch("set without a cloud", r"-bc_left_set\b.*-pd_cloud\b.*-bc_left_box", bc_left_set="1"),
+    cloud("side of a cloud", r"-bc_left_on\b.*left\b.*no sides.*-bc_left_set", bc_left_on="left"),
+    cloud("traction on a cloud", r"-bc_top_traction\b.*-bc_top_force\b", bc_top_traction="1,0"),
+    cloud("force on no part of a cloud", r"-bc_top_force\b.*no place", bc_top_box=None),
+    cloud("point force on a cloud", r"-bc_top_at\b.*-bc_top_box\b", bc_top_at="0,0"),
+    cloud("cloud beside elements", r"-mesh_cells\b.*-pd_cloud\b.*drop", mesh_cells="4,4"),
+    cloud("cloud beside a patch", r"-pd_patches\b.*-pd_cloud\b.*drop", pd_patches="all"),
+    cloud("horizon ratio of a cloud", r"-pd_horizon_ratio\b.*-pd_cloud\b.*drop", pd_horizon_ratio="3"),
+    cloud("cloud in equilibrium", r"-pd_cloud\b.*-analysis explicit", analysis=None),
+    cloud("cloud in implicit steps", r"-pd_cloud\b.*-analysis explicit", analysis="implicit", ts_dt="1e-5"),
+    cloud("toughness of a lattice for a cloud", r"-pd_toughness lattice\b.*continuum", pd_toughness="lattice"),
+    cloud("calibration of a lattice for a cloud", r"-pd_calibration lattice\b.*continuum", pd_calibration="lattice"),
+    cloud("surface correction of a cloud", r"-pd_surface_correction\b.*lattices", pd_surface_correction="volume"),
+    cloud("cloud at 1/4 in plane stress", r"-material_poisson\b.*0\.25", material_poisson="0.25"),
+    cloud("depth of a cloud in space", r"-material_thickness\b.*volumes", material_plane="solid",
+          material_poisson="0.25", material_thickness="1", pd_cloud="{dir}/space.csv"),
+    cloud("crack outside a cloud", r"crack 1\b.*no part of it is in the body", crack_names="a",
+          crack_a_points="5,5,6,6"),
     # --- files
     plate("missing options file", r"nowhere\.opts", options_file="{dir}/nowhere.opts"),
     plate("options file that names itself", r"circle\.opts.*circle", options_file="{dir}/circle.opts"),
@@ -330,6 +396,10 @@ GOOD = [
     Case("a block in space", {}, "", SOLID),
     Case("a block in space with two components", {"-bc_left_velocity": "1,0", "-bc_left_traction": "1,0"}, "", SOLID),
     Case("a block in space on its front", {"-bc_left_on": "front", "-bc_left_traction": "1,0,3"}, "", SOLID),
+    Case("a cloud", {}, "", CLOUD),
+    Case("a cloud in space", {"-pd_cloud": "{dir}/space.csv", "-material_plane": "solid", "-material_poisson": "0.25",
+                              "-bc_left_set": None, "-bc_left_box": "0,0,0.1,1", "-bc_left_velocity": "1,free,0",
+                              "-bc_top_force": "0,1e5,3"}, "", CLOUD),
     Case("traction and displacement on one boundary", {"-bc_left_traction": "0,1e5"}, "", PLATE),
 ]
 

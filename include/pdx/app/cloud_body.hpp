@@ -60,5 +60,6 @@ std::unique_ptr<CloudBody<Dim>> discretise(MPI_Comm comm, const SceneOptions& op
 /// Turns the boundary conditions into prescribed components and loads of `body.system`; they act on the particles of a
 /// box, which reaches through the body, of a set, or of both. Collective. Throws UserError for a place that selects
 /// nothing.
-template <int Dim> void apply_conditions(const SceneOptions& options, CloudBody<Dim>& body);
+template <int Dim>
+void apply_conditions(const SceneOptions& options, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body);
 } // namespace pdx::app
