@@ -154,7 +154,8 @@ std::unique_ptr<CloudBody<Dim>> discretise(MPI_Comm comm, const SceneOptions& op
                                            std::vector<pd::Particle> particles)
 {
   auto body = std::make_unique<CloudBody<Dim>>();
-  body->particles = std::move(particles);
+  Model& model = *body;
+  model.particles = std::move(particles);
   body->body = plan.mesh.box;
   body->cracks = cracks_in(options.cracks.lines, body->body);
   body->description =
@@ -187,9 +188,11 @@ template <int Dim> std::vector<double> CloudBody<Dim>::positions() const
   template struct CloudBody<Dim>;                                                                                      \
   template CloudPlan<Dim> plan_cloud<Dim>(const SceneOptions&);                                                        \
   template mesh::CellCost cell_cost<Dim>(const CloudPlan<Dim>&);                                                       \
-  template std::vector<pd::Particle> make_particles<Dim>(const mesh::Mesh&, const CloudPlan<Dim>&, pd::Particles&);    \
-  template std::unique_ptr<CloudBody<Dim>> discretise<Dim>(MPI_Comm, const SceneOptions&, const CloudPlan<Dim>&,       \
-                                                           std::vector<pd::Particle>)
+  template std::vector<pd::Particle> make_particles<Dim>(const mesh::Mesh&, const CloudPlan<Dim>&, pd::Particles&)
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
+template std::unique_ptr<CloudBody<2>> discretise<2>(MPI_Comm, const SceneOptions&, const CloudPlan<2>&,
+                                                     std::vector<pd::Particle>);
+template std::unique_ptr<CloudBody<3>> discretise<3>(MPI_Comm, const SceneOptions&, const CloudPlan<3>&,
+                                                     std::vector<pd::Particle>);
 } // namespace pdx::app

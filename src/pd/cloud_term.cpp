@@ -20,15 +20,18 @@ template <int Dim> std::vector<Index> others_near(const Cloud<Dim>& cloud, std::
   if (mine.empty()) return others;
   std::vector<Vector<Dim>> points;
   std::vector<std::uint8_t> owned(cloud.points.size(), 0);
+  geom::Box<Dim> box{cloud.points[static_cast<std::size_t>(mine[0])], cloud.points[static_cast<std::size_t>(mine[0])]};
   for (const Index number : mine) {
     points.push_back(cloud.points[static_cast<std::size_t>(number)]);
+    box.lower = box.lower.cwiseMin(points.back()).eval();
+    box.upper = box.upper.cwiseMax(points.back()).eval();
     owned[static_cast<std::size_t>(number)] = 1;
   }
   const CellGrid<Dim> grid(points, reach);
   std::vector<Index> near;
   for (std::size_t number = 0; number < owned.size(); ++number) {
-    if (owned[number]) continue;
     const Vector<Dim>& x = cloud.points[number];
+    if (owned[number] || !box.contains(x, reach)) continue;
     grid.near(x, near);
     if (std::ranges::any_of(near, [&](Index k) { return (points[static_cast<std::size_t>(k)] - x).norm() <= reach; }))
       others.push_back(static_cast<Index>(number));

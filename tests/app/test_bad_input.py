@@ -362,6 +362,7 @@ CASES = [
     cloud("traction on a cloud", r"-bc_top_traction\b.*-bc_top_force\b", bc_top_traction="1,0"),
     cloud("force on no part of a cloud", r"-bc_top_force\b.*no place", bc_top_box=None),
     cloud("point force on a cloud", r"-bc_top_at\b.*-bc_top_box\b", bc_top_at="0,0"),
+    cloud("rows of a cloud", r"-bc_left_rows\b.*-bc_left_set\b", bc_left_rows="2"),
     cloud("cloud beside elements", r"-mesh_cells\b.*-pd_cloud\b.*drop", mesh_cells="4,4"),
     cloud("cloud beside a patch", r"-pd_patches\b.*-pd_cloud\b.*drop", pd_patches="all"),
     cloud("horizon ratio of a cloud", r"-pd_horizon_ratio\b.*-pd_cloud\b.*drop", pd_horizon_ratio="3"),
