@@ -5,14 +5,13 @@
 #include "support/ranks.hpp"
 #include "support/scene.hpp"
 
-#include <cstring>
 #include <gtest/gtest.h>
 #include <random>
 
 namespace {
 using namespace pdx;
 using pd::Kinematics;
-using test::rank, test::ranks, test::sum;
+using test::sum;
 
 constexpr double kDx = 0.25, kThickness = 0.5;
 const auto go_on = [] { return solve::TimeDriver::Verdict::go_on; };
@@ -205,8 +204,8 @@ template <int Dim> void expect_same_bits(const Site<Dim>& count)
     const auto width = static_cast<std::size_t>(here.term->words_per_particle());
     for (std::size_t k = 0; k < here.mine.size(); ++k) {
       const auto number = static_cast<std::size_t>(here.mine[k]);
-      ASSERT_EQ(std::memcmp(&force[Dim * k], &expected[Dim * number], Dim * sizeof(double)), 0);
-      ASSERT_EQ(std::memcmp(&words[width * k], &all[width * number], width * sizeof(std::uint64_t)), 0);
+      for (std::size_t a = 0; a < Dim; ++a) ASSERT_EQ(force[Dim * k + a], expected[Dim * number + a]);
+      for (std::size_t w = 0; w < width; ++w) ASSERT_EQ(words[width * k + w], all[width * number + w]);
     }
     if (after) break;
     field::ForceLosses losses;
