@@ -157,6 +157,7 @@ std::unique_ptr<CloudBody<Dim>> discretise(MPI_Comm comm, const SceneOptions& op
   Model& model = *body;
   model.particles = std::move(particles);
   body->body = plan.mesh.box;
+  judge_no_fail(options.fracture.no_fail, body->body);
   body->cracks = cracks_in(options.cracks.lines, body->body);
   body->description =
       fmt::format("{} particles {}, horizon {} m", plan.particles.points.size(), plan.fingerprint, options.pd.horizon);
