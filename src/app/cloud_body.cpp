@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace pdx::app {
 namespace {
 constexpr double kCoarseCells = 4.0; // background cells, in particles
+constexpr double kMostSpread = 1e12; // volumes over the smallest; coordinates over particle sizes
+constexpr double kMostVolume = 1e60; // [m^3]
 
 /// FNV-1a over what the file says.
 class Fingerprint {
@@ -23,6 +26,23 @@ public:
 private:
   std::uint64_t hash_ = 14695981039346656037u;
 };
+
+/// Double precision must tell places apart, and stiffnesses must be numbers.
+template <int Dim> void judge_extent(const pd::Cloud<Dim>& cloud, double thickness)
+{
+  const auto [least, most] = std::ranges::minmax(cloud.volumes);
+  if (!(most / least < kMostSpread) || !(most < kMostVolume) || !(least > 1.0 / kMostVolume))
+    throw UserError(fmt::format("-pd_cloud: volumes from {:g} to {:g} m^3 are too far apart, too small or too large "
+                                "(at most {:g} times the smallest)",
+                                least, most, kMostSpread));
+  const double size = pd::particle_size<Dim>(least, thickness);
+  for (std::size_t k = 0; k < cloud.points.size(); ++k)
+    if (!(cloud.points[k].cwiseAbs().maxCoeff() < kMostSpread * size))
+      throw UserError(fmt::format(
+          "-pd_cloud: particle {} is at ({:g}), too far out for its neighbours to be told apart "
+          "(at most {:g} particle sizes, {:g} m)",
+          k + 1, fmt::join(cloud.points[k].begin(), cloud.points[k].end(), ", "), kMostSpread, kMostSpread * size));
+}
 
 template <int Dim> mesh::MeshOptions cells_around(const pd::Cloud<Dim>& cloud, double thickness)
 {
@@ -67,6 +87,7 @@ template <int Dim> CloudPlan<Dim> plan_cloud(const SceneOptions& options)
   } catch (const UserError& wrong) {
     throw UserError(fmt::format("-pd_cloud: {}", wrong.what()));
   }
+  judge_extent<Dim>(plan.particles, options.elastic.thickness);
   plan.mesh = cells_around<Dim>(plan.particles, options.elastic.thickness);
   plan.counts.assign(static_cast<std::size_t>(plan.mesh.cells[0]) * static_cast<std::size_t>(plan.mesh.cells[1]), 0);
   Fingerprint fingerprint;

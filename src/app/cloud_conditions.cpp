@@ -69,10 +69,11 @@ private:
 };
 
 /// Options that are of elements, lattices or equilibria.
-constexpr const char* kStrange[] = {"-mesh_file",       "-mesh_lower",      "-mesh_upper",         "-mesh_cells",
-                                    "-pd_patches",      "-pd_spacing",      "-pd_horizon_ratio",   "-pd_operator",
-                                    "-couple_scheme",   "-xfem_quadrature", "-xfem_least_share",   "-pd_skip_tolerance",
-                                    "-post_j_contours", "-post_j_domain",   "-post_energy_release"};
+constexpr const char* kStrange[] = {
+    "-mesh_file",       "-mesh_lower",      "-mesh_upper",          "-mesh_cells",
+    "-pd_patches",      "-pd_spacing",      "-pd_horizon_ratio",    "-pd_operator",
+    "-couple_scheme",   "-xfem_quadrature", "-xfem_least_share",    "-pd_skip_tolerance",
+    "-post_j_contours", "-post_j_domain",   "-post_energy_release", "-post_tip_damage"};
 
 void judge_condition(const BoundaryCondition& c)
 {
@@ -111,10 +112,12 @@ void judge_cloud(const SceneOptions& s)
     throw UserError("-material_thickness has no meaning for a cloud in space: its particles have volumes; drop it");
   if (s.time.analysis != Analysis::explicit_dynamics)
     throw UserError("-pd_cloud needs -analysis explicit: bonds of a cloud have no tangent");
-  for (const char* name : {"-pd_calibration", "-pd_toughness"})
-    if (o.given(name) &&
-        (name[4] == 'c' ? s.pd.calibration != pd::Calibration::continuum : s.fracture.by != pd::Toughness::continuum))
+  const auto refuse_lattice = [&](const char* name, bool lattice) {
+    if (o.given(name) && lattice)
       throw UserError(fmt::format("{} lattice is of lattices: bonds of a cloud have the continuum's; drop it", name));
+  };
+  refuse_lattice("-pd_calibration", s.pd.calibration == pd::Calibration::lattice);
+  refuse_lattice("-pd_toughness", s.fracture.by == pd::Toughness::lattice);
   if (s.pd.surface_correction == SurfaceCorrection::volume)
     throw UserError("-pd_surface_correction volume is of lattices: a cloud has none; drop it");
   for (const BoundaryCondition& c : s.conditions) judge_condition(c);

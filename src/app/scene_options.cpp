@@ -177,7 +177,9 @@ void judge(const BoundaryCondition& c)
     if (c.displacement[a] && c.velocity[a])
       throw UserError(fmt::format("{0}_velocity holds what {0}_displacement holds already: write free for one", stem));
   if ((c.holds() || c.traction) && c.on.empty() && !c.box && !c.set)
-    throw UserError(fmt::format("{0}: no place given: name a boundary with {0}_on, or a box with {0}_box", stem));
+    throw UserError(fmt::format("{0}: no place given: name a boundary with {0}_on, or a box with {0}_box (of a cloud: "
+                                "a box or {0}_set)",
+                                stem));
   if (c.set && !is_cloud())
     throw UserError(fmt::format("{0}_set is of the particles of a -pd_cloud: choose by {0}_on or {0}_box", stem));
   if (c.traction && c.on.empty() && !is_cloud())
@@ -280,6 +282,10 @@ void judge_time(const SceneOptions& s)
     throw UserError(
         "-checkpoint_... and -restart are for explicit steps in time: give -analysis explicit, or drop them");
   if (s.time.dynamic()) {
+    for (const char* name :
+         {"-load_steps", "-load_halvings", "-load_passes", "-load_broken_share", "-pd_release", "-pd_release_share"})
+      if (Options("load").given(name))
+        throw UserError(fmt::format("{} acts in load steps: give -analysis static, or drop it", name));
     if (s.elastic.density <= 0.0)
       throw UserError("-material_density is missing: things that move have a mass; give it in kg/m^3");
     if (s.scheme == couple::Scheme::interface)

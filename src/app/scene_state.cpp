@@ -106,8 +106,25 @@ void SceneState::number_rows()
     held.push_back(first_[0] + particle_number(p.patch, p.site));
     particles.push_back(particle_number(p.patch, p.site));
   }
+  note_supports(held);
   rows_ = std::make_unique<io::NaturalOrder>(comm, first_.back(), held);
   particles_ = std::make_unique<io::NaturalOrder>(comm, first_.back() - first_[0], particles);
+}
+
+/// A sum over the held components that tells where they are, on any number of ranks.
+void SceneState::note_supports(std::span<const PetscInt> numbers)
+{
+  const int dim = model_.system.rows.dim;
+  std::uint64_t sums[2] = {0, 0};
+  for (const Index component : model_.system.prescribed.components) {
+    const auto row = static_cast<std::uint64_t>(numbers[static_cast<std::size_t>(component / dim)]);
+    std::uint64_t mixed = row * static_cast<std::uint64_t>(dim) + static_cast<std::uint64_t>(component % dim) + 1;
+    for (const int shift : {31, 29, 32}) mixed = (mixed ^ mixed >> shift) * 0x9e3779b97f4a7c15u;
+    ++sums[0];
+    sums[1] += mixed;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_UINT64_T, MPI_SUM, model_.system.rows.comm);
+  supports_ = fmt::format("{} held components, {:016x}", sums[0], sums[1]);
 }
 
 PetscInt SceneState::particle_number(Index patch, Index site) const
@@ -117,12 +134,11 @@ PetscInt SceneState::particle_number(Index patch, Index site) const
 
 void SceneState::describe(const SceneOptions& options)
 {
-  std::int64_t counts[] = {model_.system.rows.nodes, model_.system.rows.particles,
-                           static_cast<std::int64_t>(model_.system.prescribed.components.size())};
-  MPI_Allreduce(MPI_IN_PLACE, counts, 3, MPI_INT64_T, MPI_SUM, model_.system.rows.comm);
-  text_ = fmt::format("format = {}\nvertices = {}\nnodes = {}\nenriched sets = {}\nparticles = {}\nheld components = "
-                      "{}\n",
-                      kFormat, scene_.mesh->global_vertices(), counts[0], sets_, counts[1], counts[2]);
+  std::int64_t counts[2] = {model_.system.rows.nodes, model_.system.rows.particles};
+  MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, model_.system.rows.comm);
+  text_ = fmt::format("format = {}\nvertices = {}\nnodes = {}\nenriched sets = {}\nparticles = {}\n", kFormat,
+                      scene_.mesh->global_vertices(), counts[0], sets_, counts[1]);
+  text_ += fmt::format("supports = {}\n", supports_);
   text_ += lines_of(options, scene_);
   text_ += fmt::format("critical stretch = {}\n", fmt::join(model_.critical_stretch, ", "));
 }

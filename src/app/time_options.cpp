@@ -3,19 +3,24 @@
 #include "pdx/base/options.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <sstream>
+#include <string_view>
 
 namespace pdx::app {
 namespace {
-bool is_number(const std::string& word)
+std::optional<double> number_in(std::string_view word)
 {
-  std::istringstream stream(word);
+  if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0.0;
-  return stream >> value && stream.eof();
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc() && end == word.data() + word.size() ? std::optional(value) : std::nullopt;
 }
 
 /// A time and a factor a line, commas or blanks between; # begins a comment, and a first line of words is a header.
@@ -33,17 +38,17 @@ field::History read_table(const std::string& option, const std::string& name)
     std::istringstream words(text);
     std::string first, second, more;
     words >> first >> second;
-    if (points.empty() && !headed && !is_number(first) && !is_number(second)) {
+    const std::optional<double> time = number_in(first), factor = number_in(second);
+    if (points.empty() && !headed && !time && !factor && std::isalpha(static_cast<unsigned char>(first[0]))) {
       headed = true;
       continue;
     }
-    const bool numbers = is_number(first) && is_number(second) && !(words >> more);
     const std::string where = fmt::format("{} {}, line {}", option, name, number);
-    if (!numbers) throw UserError(where + ": must be a time in s and a factor");
-    const double time = std::stod(first), factor = std::stod(second);
-    if (!points.empty() && time < points.back().time)
-      throw UserError(fmt::format("{}: time {:g} is before {:g} of the line above", where, time, points.back().time));
-    points.push_back({time, factor});
+    if (!time || !factor || !std::isfinite(*time) || !std::isfinite(*factor) || words >> more)
+      throw UserError(where + ": must be a time in s and a factor");
+    if (!points.empty() && *time < points.back().time)
+      throw UserError(fmt::format("{}: time {:g} is before {:g} of the line above", where, *time, points.back().time));
+    points.push_back({*time, *factor});
   }
   if (points.empty()) throw UserError(fmt::format("{} is {}: has no line with a time and a factor", option, name));
   return field::History::table(std::move(points));

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace pdx::pd {
 namespace {
@@ -34,6 +35,13 @@ template <class Number> bool read_number(std::string_view text, Number& value)
   return error == std::errc() && end == text.data() + text.size();
 }
 
+/// Of a line, for a message.
+std::string beginning(const std::string& line)
+{
+  constexpr std::size_t most = 60;
+  return line.size() <= most ? line : line.substr(0, most) + "...";
+}
+
 template <int Dim> Cloud<Dim> read_csv(const std::filesystem::path& path)
 {
   std::ifstream file(path);
@@ -48,11 +56,11 @@ template <int Dim> Cloud<Dim> read_csv(const std::filesystem::path& path)
   if (with_sets) wanted.push_back("set");
   if (names != wanted)
     throw UserError(fmt::format("particles: the first line of '{}' is '{}'; it must name the columns {}[,set]",
-                                path.string(), line, Dim == 3 ? "x,y,z,volume" : "x,y,volume"));
+                                path.string(), beginning(line), Dim == 3 ? "x,y,z,volume" : "x,y,volume"));
   Cloud<Dim> cloud;
   for (std::size_t number = 2; std::getline(file, line); ++number) {
-    if (line.empty()) continue;
     const std::vector<std::string_view> values = columns_of(line);
+    if (values.size() == 1 && values[0].empty()) continue;
     Vector<Dim> x;
     double volume = 0.0;
     Index set = 0;
@@ -61,7 +69,7 @@ template <int Dim> Cloud<Dim> read_csv(const std::filesystem::path& path)
     good = good && read_number(values[Dim], volume) && (!with_sets || read_number(values[Dim + 1], set));
     if (!good)
       throw UserError(fmt::format("particles: line {} of '{}' is '{}'; {} numbers ({}) are needed", number,
-                                  path.string(), line, wanted.size(), fmt::join(wanted, ",")));
+                                  path.string(), beginning(line), wanted.size(), fmt::join(wanted, ",")));
     cloud.points.push_back(x);
     cloud.volumes.push_back(volume);
     cloud.sets.push_back(set);
@@ -89,6 +97,22 @@ std::vector<Number> read_dataset(hid_t file, const char* name, hsize_t width, hi
   return values;
 }
 
+/// HDF5 would cut down, without a word, what is no whole number or does not fit.
+std::vector<Index> read_sets(hid_t file, const std::string& path)
+{
+  const std::string where = fmt::format("particles: dataset 'set' of '{}' ", path);
+  const Hdf5Id set(H5Dopen2(file, "set", H5P_DEFAULT), H5Dclose);
+  const Hdf5Id type(H5Dget_type(set), H5Tclose);
+  if (!set.valid() || H5Tget_class(type) != H5T_INTEGER) throw UserError(where + "must hold whole numbers");
+  std::vector<Index> sets;
+  for (const std::int64_t number : read_dataset<std::int64_t>(file, "set", 1, H5T_NATIVE_INT64, path)) {
+    if (!std::in_range<Index>(number))
+      throw UserError(fmt::format("{}holds {}: it must be within -2147483648 and 2147483647", where, number));
+    sets.push_back(static_cast<Index>(number));
+  }
+  return sets;
+}
+
 template <int Dim> Cloud<Dim> read_open_hdf5(hid_t id, const std::string& path)
 {
   const Hdf5Id file(id, H5Fclose);
@@ -99,7 +123,7 @@ template <int Dim> Cloud<Dim> read_open_hdf5(hid_t id, const std::string& path)
     cloud.points.push_back(Eigen::Map<const Vector<Dim>>(&positions[k * Dim]));
   cloud.volumes = read_dataset<double>(id, "volume", 1, H5T_NATIVE_DOUBLE, path);
   cloud.sets.assign(cloud.points.size(), 0);
-  if (H5Lexists(id, "set", H5P_DEFAULT) > 0) cloud.sets = read_dataset<Index>(id, "set", 1, H5T_NATIVE_INT32, path);
+  if (H5Lexists(id, "set", H5P_DEFAULT) > 0) cloud.sets = read_sets(id, path);
   if (cloud.volumes.size() != cloud.points.size() || cloud.sets.size() != cloud.points.size())
     throw UserError(
         fmt::format("particles: '{}' has {} positions, {} volumes and {} sets; there must be as many of each", path,

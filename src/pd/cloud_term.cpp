@@ -49,8 +49,7 @@ template <int Dim> struct LocalCloud {
       : numbers(mine.begin(), mine.end())
   {
     const double largest = *std::ranges::max_element(whole.volumes);
-    const std::vector<Index> others =
-        others_near(whole, mine, options.horizon + particle_size<Dim>(largest, options.thickness));
+    const std::vector<Index> others = others_near(whole, mine, bond_reach<Dim>(options, largest));
     const SiteDirectory directory(rows.comm, static_cast<Index>(whole.points.size()), mine, rows.first);
     const std::vector<PetscInt> found = directory.rows(others);
     std::vector<std::pair<PetscInt, Index>> halo;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace pdx::pd {
 namespace {
@@ -21,6 +22,15 @@ template <int Dim> double particle_size(double volume, double thickness)
 template double particle_size<2>(double, double);
 template double particle_size<3>(double, double);
 
+template <int Dim> double bond_reach(const CloudOptions& options, double largest_volume)
+{
+  const bool conical = options.micromodulus == law::Micromodulus::conical; // no force where it ends
+  const double beyond = conical ? 0.0 : 0.5 * particle_size<Dim>(largest_volume, options.thickness);
+  return (options.horizon + beyond) * (1.0 + kRounding);
+}
+template double bond_reach<2>(const CloudOptions&, double);
+template double bond_reach<3>(const CloudOptions&, double);
+
 template <int Dim>
 CsrPart<Dim>::CsrPart(const Cloud<Dim>& cloud, Index owned, const CloudOptions& options, std::span<const Index> numbers)
     : options_(options), law_(options.micromodulus, options.elastic, options.horizon), volumes_(cloud.volumes)
@@ -31,7 +41,7 @@ CsrPart<Dim>::CsrPart(const Cloud<Dim>& cloud, Index owned, const CloudOptions& 
   for (const Vector<Dim>& x : cloud.points) points_.insert(points_.end(), x.begin(), x.end());
   if (cloud.points.empty()) return;
   const double largest = *std::max_element(cloud.volumes.begin(), cloud.volumes.end());
-  const CellGrid<Dim> grid(cloud.points, options.horizon + particle_size<Dim>(largest, options.thickness));
+  const CellGrid<Dim> grid(cloud.points, bond_reach<Dim>(options, largest));
   std::vector<Index> near;
   for (Index i = 0; i < owned; ++i) {
     grid.near(cloud.points[static_cast<std::size_t>(i)], near);
@@ -64,8 +74,8 @@ template <int Dim> void CsrPart<Dim>::add_bonds_of(Index i, const Cloud<Dim>& cl
     const auto to = static_cast<std::size_t>(j);
     const double length = (cloud.points[to] - cloud.points[at]).norm();
     if (length == 0.0)
-      throw UserError(fmt::format("particles: two of them are in one place, ({})",
-                                  fmt::format("{:g}, {:g}", cloud.points[at][0], cloud.points[at][1])));
+      throw UserError(fmt::format("particles: two of them are in one place, ({:g})",
+                                  fmt::join(cloud.points[at].begin(), cloud.points[at].end(), ", ")));
     const double stiffness = kappa(length, cloud.volumes[at], cloud.volumes[to]);
     if (!(stiffness > 0.0)) continue;
     neighbour_.push_back(j);

@@ -148,6 +148,20 @@ void MovingSystem::move_velocity(double time, double* velocity) const
   overwrite(system.drives, rate, time, velocity);
 }
 
+double MovingSystem::astray(double time) const
+{
+  std::vector<double> right(u);
+  move(time, right.data());
+  double most[2] = {0.0, 0.0}; // distance, size
+  for (const Index c : system.prescribed.components) {
+    const auto i = static_cast<std::size_t>(c);
+    most[0] = std::max(most[0], std::abs(right[i] - u[i]));
+    most[1] = std::max({most[1], std::abs(right[i]), std::abs(u[i])});
+  }
+  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, system.rows.comm);
+  return most[1] > 0.0 ? most[0] / most[1] : 0.0;
+}
+
 double MovingSystem::held_kinetic() const
 {
   double sum = 0.0;

@@ -9,6 +9,7 @@ namespace {
 constexpr int kCheckInterval = 20;       // steps from one look at the energy to the next
 constexpr double kEnergyTolerance = 2.0; // kinetic energy over all that was put in, above which a run has gone wild
 constexpr int kLedgerInterval = 100;     // steps from one look at all energies to the next, where something can break
+constexpr double kJump = 1e-9;           // of the largest held displacement, at a restart
 constexpr double kLostShare = 0.25;      // of all that was put in, gained or lost, above which a run has gone wild
 
 /// What one of PETSc's TSGet... says.
@@ -153,6 +154,10 @@ void TimeDriver::resume(const Clock& clock, const State& state)
   good_.clock = clock;
   set_state(clock, state);
   moving_.system.halo->refresh(moving_.u);
+  if (moving_.astray(clock.time) > kJump)
+    throw UserError(fmt::format("-restart: what is held would jump at {:g} s: give the displacements, velocities and "
+                                "histories up to then that the run had",
+                                clock.time));
   resumed_ = true;
 }
 

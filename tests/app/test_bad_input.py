@@ -92,6 +92,8 @@ FILES = {
     "columns.csv": "x,y,mass\n0,0,1\n1,0,1\n",
     "short.csv": "x,y,volume\n0,0,1\n1,0\n",
     "negative.csv": "x,y,volume\n0,0,1\n1,0,-1\n",
+    "vast.csv": "x,y,volume\n0,0,1\n1,0,1e300\n",
+    "far.csv": "x,y,volume\n1e13,0,1e-6\n1e13,1e-3,1e-6\n",
     "nobody.csv": "x,y,volume\n",
     "twice.csv": "x,y,volume,set\n" + "".join(f"{x},{y},0.01,1\n" for x, y in [*POINTS, POINTS[7]]),
     "cloud.h5": "no HDF5\n",
@@ -339,6 +341,8 @@ CASES = [
     # --- clouds
     cloud("cloud that is not there", r"-pd_cloud\b.*cannot read.*nowhere\.csv", pd_cloud="{dir}/nowhere.csv"),
     cloud("cloud without a name", r"-pd_cloud\b", pd_cloud=""),
+    cloud("cloud of volumes that are no numbers together", r"-pd_cloud\b.*volumes from 1 to 1e\+300", pd_cloud="{dir}/vast.csv"),
+    cloud("cloud beyond rounding", r"-pd_cloud\b.*particle 1 is at \(1e\+13, 0\).*too far", pd_cloud="{dir}/far.csv"),
     cloud("cloud of another kind", r"-pd_cloud\b.*good\.cracks.*\.csv", pd_cloud="{dir}/good.cracks"),
     cloud("cloud that is no HDF5", r"-pd_cloud\b.*cloud\.h5.*HDF5", pd_cloud="{dir}/cloud.h5"),
     cloud("cloud with other columns", r"-pd_cloud\b.*columns\.csv.*x,y,mass.*x,y,volume\[,set\]",

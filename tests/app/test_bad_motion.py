@@ -14,6 +14,7 @@ FILES = {
     "backwards.csv": "0, 0\n2e-3, 1\n1e-3, 0\n",
     "empty.csv": "# nothing\n",
     "headed.csv": "time, factor\ntime, factor\n0, 0\n",
+    "semicolon.csv": "0;0\n1e-3;1\n",
     "infinite.csv": "0, 0\n1e-3, inf\n",
 }
 MOVING = mistakes.PLATE | {
@@ -52,6 +53,7 @@ CASES = [
     moving("restart in implicit steps", r"-restart\b.*-analysis explicit", analysis="implicit", ts_dt="1e-5",
            restart="checkpoint.h5"),
     moving("restart from nothing", r"nowhere\.h5.*no such file", restart="nowhere.h5"),
+    moving("load steps in time", r"-load_steps\b.*-analysis static", load_steps="3"),
     moving("interface scheme in time", r"-couple_scheme interface\b.*energy or ghost", PATCH,
            couple_scheme="interface"),
     # --- histories and conditions
@@ -70,6 +72,7 @@ CASES = [
     shaken("word in a later row of a table", r"second_word\.csv, line 3\b.*factor", "second_word.csv"),
     shaken("table that goes back", r"backwards\.csv, line 3\b.*before", "backwards.csv"),
     shaken("table of comments", r"empty\.csv.*no line", "empty.csv"),
+    shaken("table parted by semicolons", r"semicolon\.csv, line 1\b.*factor", "semicolon.csv"),
     shaken("table with two headers", r"headed\.csv, line 2\b.*factor", "headed.csv"),
     shaken("table without end", r"infinite\.csv, line 2\b.*factor", "infinite.csv"),
     # --- bonds and output

@@ -24,6 +24,7 @@ public:
 
 private:
   void number_rows();
+  void note_supports(std::span<const PetscInt> numbers);
   bool is_watched(std::size_t k) const;
   void describe(const SceneOptions& options);
   PetscInt particle_number(Index patch, Index site) const;
@@ -38,6 +39,6 @@ private:
   std::vector<PetscInt> first_; // number of each patch's first particle, and of the one behind the last
   PetscInt sets_ = 0;           // on all ranks
   std::unique_ptr<io::NaturalOrder> rows_, particles_;
-  std::string text_;
+  std::string supports_, text_;
 };
 } // namespace pdx::app

@@ -16,6 +16,9 @@ struct CloudOptions {
 /// Side of a particle seen as a square as thick as the body, or as a cube [m].
 template <int Dim> double particle_size(double volume, double thickness);
 
+/// How far bonds reach: the horizon, with a uniform micromodulus and half a particle of that volume [m].
+template <int Dim> double bond_reach(const CloudOptions& options, double largest_volume);
+
 /// The bonds of particles that lie anywhere. Bond force per unit stretch kappa = c(xi) beta V_i V_j, where beta is the
 /// part of the neighbour's volume in the horizon by its size dx = V^(1/Dim) (2-D: sqrt(V / thickness)), the mean of
 /// both ends', so that forces are in balance. Constants are those of the continuum: nothing is calibrated.

@@ -37,6 +37,8 @@ public:
   /// Overwrites held components by what drives them.
   void move(double time, double* displacement) const;
   void move_velocity(double time, double* velocity) const;
+  /// How far what is held is from where it should be then, of the largest such displacement [-]. Collective.
+  double astray(double time) const;
 
   /// Call with the state between steps: `note` before the first, `book` then `note` after each. Trapezoidal rule, for
   /// central differences exact in the energy that the scheme conserves. What is held is moved against its internal
