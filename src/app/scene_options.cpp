@@ -276,7 +276,7 @@ OutputOptions read_output(const std::string& case_name, bool dynamic)
 
 void judge_time(const SceneOptions& s)
 {
-  if (!s.output.times.empty() && !s.output.fields)
+  if (!s.output.times.empty() && !Options("output").given("-output_fields"))
     throw UserError("-output_times say when fields are written: give -output_fields too");
   if (s.time.checkpoint.any() && s.time.analysis != Analysis::explicit_dynamics)
     throw UserError(
