@@ -22,7 +22,7 @@ struct CoveredEdge {
 class Conditions {
 public:
   Conditions(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
-      : mesh_(mesh), options_(options), plan_(plan), d_(d), entries_(options, d)
+      : mesh_(mesh), options_(options), plan_(plan), d_(d)
   {
     for (std::size_t k = 0; k < d.particles.size(); ++k)
       row_of_[{d.particles[k].patch, d.particles[k].site}] = d.system.rows.first_particle() + static_cast<Index>(k);
@@ -30,17 +30,14 @@ public:
 
   void apply()
   {
-    for (const BoundaryCondition& c : options_.conditions) {
-      if (c.holds()) entries_.hold(c, rows_of(c));
-      if (c.initial_velocity) entries_.throw_in(c, rows_of(c));
-      if (!c.traction && !c.body && !c.force) continue;
-      load_.assign(static_cast<std::size_t>(d_.system.rows.owned()) * 2, 0.0);
-      if (c.traction) pull(c);
-      if (c.body) weigh(c);
-      if (c.force) push(c);
-      entries_.load(c, load_);
-    }
-    entries_.finish();
+    Prescriptions(options_, d_)
+        .enter([&](const BoundaryCondition& c, const char*) { return rows_of(c); },
+               [&](const BoundaryCondition& c, std::span<double> force) {
+                 load_ = force;
+                 if (c.traction) pull(c);
+                 if (c.body) weigh(c);
+                 if (c.force) push(c);
+               });
   }
 
 private:
@@ -204,8 +201,7 @@ private:
   const PatchPlan& plan_;
   Discretisation& d_;
   std::map<std::pair<int, Index>, Index> row_of_;
-  Prescriptions entries_;
-  std::vector<double> load_; // of one condition [N]
+  std::span<double> load_; // of one condition [N]
 };
 } // namespace
 

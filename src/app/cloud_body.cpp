@@ -1,5 +1,7 @@
 #include "pdx/app/cloud_body.hpp"
 
+#include "pdx/base/fingerprint.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -10,22 +12,6 @@ namespace {
 constexpr double kCoarseCells = 4.0; // background cells, in particles
 constexpr double kMostSpread = 1e12; // volumes over the smallest; coordinates over particle sizes
 constexpr double kMostVolume = 1e60; // [m^3]
-
-/// FNV-1a over what the file says.
-class Fingerprint {
-public:
-  template <class Number> void add(const std::vector<Number>& values)
-  {
-    for (const Number& value : values) {
-      const auto* bytes = reinterpret_cast<const unsigned char*>(&value);
-      for (std::size_t k = 0; k < sizeof value; ++k) hash_ = (hash_ ^ bytes[k]) * 1099511628211u;
-    }
-  }
-  std::string text() const { return fmt::format("{:016x}", hash_); }
-
-private:
-  std::uint64_t hash_ = 14695981039346656037u;
-};
 
 /// Double precision must tell places apart, and stiffnesses must be numbers.
 template <int Dim> void judge_extent(const pd::Cloud<Dim>& cloud, double thickness)
@@ -93,11 +79,11 @@ template <int Dim> CloudPlan<Dim> plan_cloud(const SceneOptions& options)
   Fingerprint fingerprint;
   for (const Vector<Dim>& x : plan.particles.points) {
     ++plan.counts[static_cast<std::size_t>(plan.cell_at(x.template head<2>()))];
-    fingerprint.add(std::vector<double>(x.begin(), x.end()));
+    fingerprint.add(std::span<const double>(x.data(), Dim));
   }
-  fingerprint.add(plan.particles.volumes);
-  fingerprint.add(plan.particles.sets);
-  plan.fingerprint = fingerprint.text();
+  fingerprint.add(std::span<const double>(plan.particles.volumes));
+  fingerprint.add(std::span<const Index>(plan.particles.sets));
+  plan.fingerprint = fmt::format("{:016x}", fingerprint.value());
   return plan;
 }
 

@@ -8,21 +8,16 @@ namespace {
 template <int Dim> class Conditions {
 public:
   Conditions(const SceneOptions& options, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body)
-      : options_(options), cloud_(cloud), body_(body), entries_(options, body)
+      : options_(options), cloud_(cloud), body_(body)
   {}
 
   void apply()
   {
-    for (const BoundaryCondition& c : options_.conditions) {
-      if (c.holds()) entries_.hold(c, rows_of(c, "displacement or velocity"));
-      if (c.initial_velocity) entries_.throw_in(c, rows_of(c, "initial velocity"));
-      if (!c.body && !c.force) continue;
-      force_.assign(static_cast<std::size_t>(body_.system.rows.owned()) * Dim, 0.0);
-      if (c.body) add(rows_of(c, "body force"), *c.body);
-      if (c.force) add(rows_of(c, "force"), *c.force / chosen_volume(c));
-      entries_.load(c, force_);
-    }
-    entries_.finish();
+    const auto rows = [&](const BoundaryCondition& c, const char* what) { return rows_of(c, what); };
+    Prescriptions(options_, body_).enter(rows, [&](const BoundaryCondition& c, std::span<double> force) {
+      if (c.body) add(rows_of(c, "body force"), *c.body, force);
+      if (c.force) add(rows_of(c, "force"), *c.force / chosen_volume(c), force);
+    });
   }
 
 private:
@@ -44,11 +39,11 @@ private:
                                 c.set ? fmt::format("of the set {} ", *c.set) : "", what));
   }
 
-  void add(const std::set<Index>& rows, const Vector<3>& density)
+  void add(const std::set<Index>& rows, const Vector<3>& density, std::span<double> force) const
   {
     for (const Index row : rows)
       for (Index a = 0; a < Dim; ++a)
-        force_[static_cast<std::size_t>(Dim * row + a)] +=
+        force[static_cast<std::size_t>(Dim * row + a)] +=
             body_.bonds->volumes()[static_cast<std::size_t>(row)] * density[a];
   }
 
@@ -64,8 +59,6 @@ private:
   const SceneOptions& options_;
   const pd::Cloud<Dim>& cloud_;
   CloudBody<Dim>& body_;
-  Prescriptions entries_;
-  std::vector<double> force_; // of one condition [N]
 };
 
 /// Options that are of elements, lattices or equilibria.

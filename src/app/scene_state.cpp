@@ -2,6 +2,7 @@
 
 #include "pdx/app/cloud_body.hpp"
 #include "pdx/app/solid.hpp"
+#include "pdx/base/fingerprint.hpp"
 #include "pdx/base/gather.hpp"
 
 #include <algorithm>
@@ -114,14 +115,11 @@ void SceneState::number_rows()
 /// A sum over the held components that tells where they are, on any number of ranks.
 void SceneState::note_supports(std::span<const PetscInt> numbers)
 {
-  const int dim = model_.system.rows.dim;
-  std::uint64_t sums[2] = {0, 0};
+  const Index dim = model_.system.rows.dim;
+  std::uint64_t sums[2] = {model_.system.prescribed.components.size(), 0};
   for (const Index component : model_.system.prescribed.components) {
-    const auto row = static_cast<std::uint64_t>(numbers[static_cast<std::size_t>(component / dim)]);
-    std::uint64_t mixed = row * static_cast<std::uint64_t>(dim) + static_cast<std::uint64_t>(component % dim) + 1;
-    for (const int shift : {31, 29, 32}) mixed = (mixed ^ mixed >> shift) * 0x9e3779b97f4a7c15u;
-    ++sums[0];
-    sums[1] += mixed;
+    const Index place[2] = {numbers[static_cast<std::size_t>(component / dim)], component % dim};
+    sums[1] += Fingerprint().add(std::span<const Index>(place)).value();
   }
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_UINT64_T, MPI_SUM, model_.system.rows.comm);
   supports_ = fmt::format("{} held components, {:016x}", sums[0], sums[1]);

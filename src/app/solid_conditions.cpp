@@ -23,22 +23,17 @@ Side side_of(const BoundaryCondition& c)
 class Conditions {
 public:
   Conditions(const SceneOptions& options, const geom::Lattice<3>& lattice, Solid& solid)
-      : options_(options), lattice_(lattice), solid_(solid), entries_(options, solid)
+      : options_(options), lattice_(lattice), solid_(solid)
   {}
 
   void apply()
   {
-    for (const BoundaryCondition& c : options_.conditions) {
-      if (c.holds()) entries_.hold(c, rows_of(c, "displacement or velocity"));
-      if (c.initial_velocity) entries_.throw_in(c, rows_of(c, "initial velocity"));
-      if (!c.traction && !c.body) continue;
-      force_.assign(static_cast<std::size_t>(solid_.system.rows.owned()) * 3, 0.0);
+    const auto rows = [&](const BoundaryCondition& c, const char* what) { return rows_of(c, what); };
+    Prescriptions(options_, solid_).enter(rows, [&](const BoundaryCondition& c, std::span<double> force) {
       const double dx = lattice_.dx;
-      if (c.traction) add(rows_of(c, "traction"), dx * dx / c.rows * *c.traction);
-      if (c.body) add(rows_of(c, "body force"), dx * dx * dx * *c.body);
-      entries_.load(c, force_);
-    }
-    entries_.finish();
+      if (c.traction) add(rows_of(c, "traction"), dx * dx / c.rows * *c.traction, force);
+      if (c.body) add(rows_of(c, "body force"), dx * dx * dx * *c.body, force);
+    });
   }
 
 private:
@@ -76,17 +71,15 @@ private:
     return rows;
   }
 
-  void add(const std::set<Index>& rows, const Vector<3>& force)
+  static void add(const std::set<Index>& rows, const Vector<3>& each, std::span<double> force)
   {
     for (const Index row : rows)
-      for (Index a = 0; a < 3; ++a) force_[static_cast<std::size_t>(3 * row + a)] += force[a];
+      for (Index a = 0; a < 3; ++a) force[static_cast<std::size_t>(3 * row + a)] += each[a];
   }
 
   const SceneOptions& options_;
   const geom::Lattice<3>& lattice_;
   Solid& solid_;
-  Prescriptions entries_;
-  std::vector<double> force_; // of one condition [N]
 };
 } // namespace
 

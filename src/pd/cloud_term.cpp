@@ -96,8 +96,7 @@ CloudTerm<Dim>::CloudTerm(const field::Rows& rows, const Cloud<Dim>& cloud, std:
   const std::span<const std::int64_t> first = part_.view().first;
   for (std::size_t i = 0; i + 1 < first.size(); ++i) most = std::max(most, first[i + 1] - first[i]);
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT64_T, MPI_MAX, rows.comm);
-  if (most == 0)
-    throw UserError(fmt::format("particles: no two of them are within the horizon of {:g} m", options.horizon));
+  if (most == 0) throw no_neighbours(options.horizon);
   words_ = static_cast<int>((most + 63) / 64);
   whole_ = start_ = part_.bonded_volume();
 }

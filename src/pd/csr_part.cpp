@@ -1,6 +1,5 @@
 #include "pdx/pd/csr_part.hpp"
 
-#include "pdx/base/error.hpp"
 #include "pdx/law/bond_force.hpp"
 
 #include "cell_grid.hpp"
@@ -31,6 +30,11 @@ template <int Dim> double bond_reach(const CloudOptions& options, double largest
 template double bond_reach<2>(const CloudOptions&, double);
 template double bond_reach<3>(const CloudOptions&, double);
 
+UserError no_neighbours(double horizon)
+{
+  return UserError(fmt::format("particles: no two of them are within the horizon of {:g} m", horizon));
+}
+
 template <int Dim>
 CsrPart<Dim>::CsrPart(const Cloud<Dim>& cloud, Index owned, const CloudOptions& options, std::span<const Index> numbers)
     : options_(options), law_(options.micromodulus, options.elastic, options.horizon), volumes_(cloud.volumes)
@@ -50,7 +54,7 @@ CsrPart<Dim>::CsrPart(const Cloud<Dim>& cloud, Index owned, const CloudOptions& 
   }
   intact_.assign(neighbour_.size(), 1);
   if (owned > 1 && static_cast<std::size_t>(owned) == cloud.points.size() && neighbour_.empty())
-    throw UserError(fmt::format("particles: no two of them are within the horizon of {:g} m", options.horizon));
+    throw no_neighbours(options.horizon);
 }
 
 template <int Dim> double CsrPart<Dim>::share(double length, double volume) const
@@ -99,7 +103,7 @@ template <int Dim>
 CsrSeen CsrPart<Dim>::add_force(Kinematics kinematics, double critical_stretch, std::span<const double> u,
                                 std::span<double> r, bool energy) const
 {
-  return add_gathered_force<Dim>(chosen_processor(), view(), kinematics, critical_stretch, u.data(), r.data(), energy);
+  return add_gathered_force<Dim>(processor_, view(), kinematics, critical_stretch, u.data(), r.data(), energy);
 }
 
 template <int Dim> bool CsrPart<Dim>::counts(std::size_t i, std::size_t j) const

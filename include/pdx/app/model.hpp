@@ -58,15 +58,29 @@ public:
   /// The rows of the model are numbered. @param options, model outlive this
   Prescriptions(const SceneOptions& options, Model& model);
 
-  /// Holds rows as the condition says; later conditions win, and the reaction is theirs.
-  void hold(const BoundaryCondition& c, const std::set<Index>& rows);
-  void throw_in(const BoundaryCondition& c, const std::set<Index>& rows);
-  /// Adds a load [N] with the condition's history. @param force of owned components
-  void load(const BoundaryCondition& c, std::span<const double> force);
-  /// After all conditions.
-  void finish();
+  /// All conditions, in order: later ones win where something is held, and the reaction is theirs.
+  /// @param rows_of (condition, what acts there) -> std::set<Index> of owned rows
+  /// @param add_loads (condition, force of owned components [N]); called where there is a traction or force
+  template <class RowsOf, class AddLoads> void enter(RowsOf&& rows_of, AddLoads&& add_loads)
+  {
+    std::vector<double> force;
+    for (const BoundaryCondition& c : options_.conditions) {
+      if (c.holds()) hold(c, rows_of(c, "displacement or velocity"));
+      if (c.initial_velocity) throw_in(c, rows_of(c, "initial velocity"));
+      if (!c.traction && !c.body && !c.force) continue;
+      force.assign(static_cast<std::size_t>(model_.system.rows.owned() * dim_), 0.0);
+      add_loads(c, force);
+      load(c, force);
+    }
+    finish();
+  }
 
 private:
+  void hold(const BoundaryCondition& c, const std::set<Index>& rows);
+  void throw_in(const BoundaryCondition& c, const std::set<Index>& rows);
+  void load(const BoundaryCondition& c, std::span<const double> force);
+  void finish();
+
   struct Held {
     double value = 0.0; ///< [m] or [m/s]
     std::size_t condition = 0;

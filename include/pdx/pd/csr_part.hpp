@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/base/error.hpp"
 #include "pdx/field/force_loss.hpp"
 #include "pdx/law/bond.hpp"
 #include "pdx/pd/cloud.hpp"
@@ -18,6 +19,9 @@ template <int Dim> double particle_size(double volume, double thickness);
 
 /// How far bonds reach: the horizon, with a uniform micromodulus and half a particle of that volume [m].
 template <int Dim> double bond_reach(const CloudOptions& options, double largest_volume);
+
+/// That no particle has a neighbour within the horizon [m].
+UserError no_neighbours(double horizon);
 
 /// The bonds of particles that lie anywhere. Bond force per unit stretch kappa = c(xi) beta V_i V_j, where beta is the
 /// part of the neighbour's volume in the horizon by its size dx = V^(1/Dim) (2-D: sqrt(V / thickness)), the mean of
@@ -58,6 +62,7 @@ private:
 
   CloudOptions options_;
   law::BondLaw<Dim> law_;
+  Processor processor_ = chosen_processor();
   std::vector<std::int64_t> first_{0};
   std::vector<std::int32_t> neighbour_;
   std::vector<std::uint8_t> intact_;
