@@ -2,6 +2,8 @@
 
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/fem/elastic_kernel.hpp"
+#include "pdx/xfem/enriched_kernel.hpp"
 
 #include <algorithm>
 #include <cmath>

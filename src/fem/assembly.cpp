@@ -1,5 +1,7 @@
 #include "pdx/fem/assembly.hpp"
 
+#include "pdx/fem/elastic_kernel.hpp"
+
 #include <algorithm>
 #include <limits>
 

@@ -1,6 +1,7 @@
 #include "pdx/fem/elastic_term.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/fem/elastic_kernel.hpp"
 #include "pdx/fem/element_action.hpp"
 
 #include <Eigen/Eigenvalues>

@@ -1,5 +1,7 @@
 #include "pdx/fem/stress_recovery.hpp"
 
+#include "pdx/fem/elastic_kernel.hpp"
+
 namespace pdx::fem {
 Eigen::Matrix<double, 3, 4> corner_stress(const Corners& corners, const ElementVector& displacement,
                                           const law::Elastic& law, Kinematics kinematics)

@@ -2,6 +2,7 @@
 
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/fem/elastic_kernel.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,6 +1,8 @@
 #include "pdx/xfem/enriched_term.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/fem/elastic_kernel.hpp"
+#include "pdx/xfem/enriched_kernel.hpp"
 
 #include <Eigen/Eigenvalues>
 

@@ -3,6 +3,7 @@
 #include "pdx/app/time_options.hpp"
 #include "pdx/base/options.hpp"
 #include "pdx/couple/schemes.hpp"
+#include "pdx/fem/element.hpp"
 #include "pdx/law/elastic.hpp"
 #include "pdx/mesh/build.hpp"
 #include "pdx/pd/stencil.hpp"

@@ -1,6 +1,8 @@
 #pragma once
-#include "pdx/fem/elastic_kernel.hpp"
+#include "pdx/fem/element.hpp"
+#include "pdx/fem/shape.hpp"
 #include "pdx/field/block_adder.hpp"
+#include "pdx/law/elastic.hpp"
 #include "pdx/mesh/mesh.hpp"
 
 #include <optional>

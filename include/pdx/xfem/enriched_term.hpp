@@ -1,5 +1,7 @@
 #pragma once
+#include "pdx/fem/element.hpp"
 #include "pdx/field/term.hpp"
+#include "pdx/law/elastic.hpp"
 #include "pdx/xfem/enriched_sets.hpp"
 
 namespace pdx::xfem {

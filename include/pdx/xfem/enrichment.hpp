@@ -1,6 +1,6 @@
 #pragma once
 #include "pdx/base/tensor.hpp"
-#include "pdx/xfem/enriched_kernel.hpp"
+#include "pdx/xfem/enriched_element.hpp"
 
 #include <optional>
 

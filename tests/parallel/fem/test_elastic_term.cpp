@@ -1,4 +1,5 @@
 #include "pdx/base/events.hpp"
+#include "pdx/fem/elastic_kernel.hpp"
 #include "support/elastic_problem.hpp"
 #include "support/gmsh_grid.hpp"
 

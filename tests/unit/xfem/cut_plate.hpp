@@ -1,4 +1,6 @@
 #pragma once
+#include "pdx/fem/elastic_kernel.hpp"
+#include "pdx/xfem/enriched_kernel.hpp"
 #include "pdx/xfem/enrichment.hpp"
 
 #include <cmath>

@@ -1,0 +1,21 @@
+#pragma once
+#include "pdx/xfem/cut.hpp"
+
+#include <algorithm>
+
+namespace pdx::xfem {
+/// A four-node element that one crack cuts. Its unknowns: x and y of corners 1 to 4, then x and y of the enriched sets
+/// of its enriched corners, in corner order.
+struct EnrichedElement {
+  CutCell cell;                   ///< where it is integrated
+  std::array<Side, 4> side{};     ///< of each corner: H(x_i)
+  std::array<bool, 4> enriched{}; ///< has the corner an enriched set?
+
+  int unknowns() const { return 8 + 2 * static_cast<int>(std::ranges::count(enriched, true)); } ///< 8 to 16
+};
+
+/// Displacements [m] or forces [N] of an element's unknowns.
+using EnrichedVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 16, 1>;
+/// Tangent [N/m] in the same order.
+using EnrichedMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, 16, 16>;
+} // namespace pdx::xfem
