@@ -32,7 +32,7 @@ class Bench:
             directory = keep or scratch
             command = [str(self.executable), *arguments, "-quiet", "-output_dir", str(directory)]
             if ranks > 1:
-                command = ["mpirun", "-q", "-n", str(ranks), *command]
+                command = ["mpirun", "-n", str(ranks), *command]
             elif hasattr(os, "sched_setaffinity"):
                 command = ["taskset", "-c", str(max(os.sched_getaffinity(0))), *command]
             before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()

@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
-# Configures and builds one preset (default: release) into build/PRESET. Quiet when nothing is wrong.
+# Configures and builds one preset into build/PRESET. Quiet when nothing is wrong.
+# usage: build.sh [PRESET] [TARGET...]     default: release, everything. PDX_WERROR=ON: warnings are errors, as in CI.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=${1:-release}
+targets=("${@:2}")
 
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-if ! cmake --preset "$preset" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >"$log" 2>&1; then
+if ! cmake --preset "$preset" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON ${PDX_WERROR:+-DPDX_WERROR="$PDX_WERROR"} >"$log" 2>&1; then
   cat "$log" >&2
   exit 1
 fi
-cmake --build --preset "$preset" --parallel "$(nproc)"
+cmake --build --preset "$preset" --parallel "$(nproc)" ${targets:+--target "${targets[@]}"}

@@ -32,7 +32,7 @@ class Check:
         """Runs cases/CASE/VARIANT.opts; its output directory and what it said on standard error, or None if it
         failed."""
         directory = self.scratch / (name or f"{variant}_{ranks}")
-        launcher = ["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []
+        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
         command = [*launcher, self.executable]
         command += ["-options_file", f"cases/{self.case}/{variant}.opts", *options]
         command += ["-output_dir", str(directory), "-quiet"]

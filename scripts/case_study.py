@@ -35,7 +35,7 @@ def run(executable, case, name, variant, out, ranks=1, timeout=None):
     """Runs a variant (options file and what is said after it) into its own directory below `out`; true if it ended well.
     `timeout`: longer counts as a failure [s]."""
     file, options = variant
-    command = [*(["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []), executable]
+    command = [*(["mpirun", "-n", str(ranks)] if ranks > 1 else []), executable]
     command += ["-options_file", f"cases/{case}/{file}.opts", *options]
     command += ["-case", f"{case}_{name}", "-output_dir", str(out / name), "-quiet"]
     begin = time.monotonic()

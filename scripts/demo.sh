@@ -2,8 +2,8 @@
 # The static plate of part I on two meshes: runs, draws out/plate_static.png, prints the errors beside the paper's.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-scripts/setup.sh
-scripts/build.sh release
+scripts/setup.sh demo
+scripts/build.sh release pdxsolve
 # shellcheck source=scripts/mpi_env.sh
 . scripts/mpi_env.sh
 python=$(scripts/find_python.sh h5py numpy matplotlib)

@@ -27,12 +27,12 @@ smoke=(-options_file cases/plate_static/smoke.opts -quiet)
 papers=(-couple_scheme ghost -pd_surface_correction volume -kinematics finite -pd_operator assembled)
 motion=(-output_fields -output_history -checkpoint_interval 20 -ts_max_steps 60 -quiet)
 for ranks in 1 2; do
-  mpirun -q -n "$ranks" "$build/tests/parallel_tests" --gtest_brief=1
+  mpirun -n "$ranks" "$build/tests/parallel_tests" --gtest_brief=1
   for scene in pulse/smoke branching/smoke central_crack/smoke kalthoff_winkler/{,solid_}smoke; do
-    mpirun -q -n "$ranks" "$build/pdxsolve" -options_file "cases/$scene.opts" "${motion[@]}" -output_dir "$scratch/$scene"
+    mpirun -n "$ranks" "$build/pdxsolve" -options_file "cases/$scene.opts" "${motion[@]}" -output_dir "$scratch/$scene"
   done
-  mpirun -q -n "$ranks" "$build/pdxsolve" -options_file cases/double_notch/smoke.opts -quiet -output_dir "$scratch/notch"
-  mpirun -q -n "$ranks" "$build/pdxsolve" "${smoke[@]}" -output_dir "$scratch/smoke"
-  mpirun -q -n "$ranks" "$build/pdxsolve" "${smoke[@]}" "${papers[@]}" -output_dir "$scratch/papers"
+  mpirun -n "$ranks" "$build/pdxsolve" -options_file cases/double_notch/smoke.opts -quiet -output_dir "$scratch/notch"
+  mpirun -n "$ranks" "$build/pdxsolve" "${smoke[@]}" -output_dir "$scratch/smoke"
+  mpirun -n "$ranks" "$build/pdxsolve" "${smoke[@]}" "${papers[@]}" -output_dir "$scratch/papers"
 done
 echo "sanitize: nothing found"

@@ -33,7 +33,7 @@ def rank_counts(most):
 
 
 def launch(count):
-    words = os.environ.get("PDX_LAUNCH") or ("srun" if "SLURM_JOB_ID" in os.environ else "mpirun -q")
+    words = os.environ.get("PDX_LAUNCH") or ("srun" if "SLURM_JOB_ID" in os.environ else "mpirun")
     return [*words.split(), "-n", str(count)]
 
 

@@ -1,28 +1,57 @@
 #!/usr/bin/env bash
-# Installs, by apt, what a bare Debian 12 lacks to build, test and draw. Idempotent; changes nothing else.
+# Installs, by apt, what a bare Debian 12 or 13 lacks. Idempotent; changes nothing else.
+# usage: setup.sh [demo] [tests] [style]     default: all three
+#   demo    to build the program, run it and draw
+#   tests   to build and run the tests
+#   style   formatter and linter of the pinned version (Debian 12); a release that lacks them goes without
 set -euo pipefail
 
-packages=(
-  build-essential cmake ninja-build pkg-config git
+demo=(
+  build-essential cmake ninja-build pkgconf git
   petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libmetis-dev
-  libeigen3-dev libfmt-dev nlohmann-json3-dev libgtest-dev libbenchmark-dev
+  libeigen3-dev libfmt-dev nlohmann-json3-dev
   python3 python3-numpy python3-matplotlib python3-h5py
-  clang-format-14 clang-tidy-14 valgrind
 )
+tests=(libgtest-dev libbenchmark-dev valgrind)
+style=(clang-format-14 clang-tidy-14)
 
-is_installed() { [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]; }
+needed=()
+wished=()
+[ $# -gt 0 ] || set -- demo tests style
+for part in "$@"; do
+  case $part in
+    demo) needed+=("${demo[@]}") ;;
+    tests) needed+=("${tests[@]}") ;;
+    style) wished+=("${style[@]}") ;;
+    *) echo "setup: unknown part '$part'; parts are demo, tests, style" >&2; exit 1 ;;
+  esac
+done
+
+# Those of the packages named that are not installed.
+missing_of() {
+  local package
+  for package in "$@"; do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || echo "$package"
+  done
+}
+# Those of the packages named that apt can install, as far as its lists go.
+known_of() {
+  local package
+  for package in "$@"; do
+    if apt-cache show --no-all-versions "$package" >/dev/null 2>&1; then echo "$package"; fi
+  done
+}
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-  echo "setup: this script needs Debian's apt; install by hand the equivalents of: ${packages[*]}" >&2
+  echo "setup: this script needs Debian's apt; install by hand the equivalents of: ${needed[*]}" >&2
   exit 1
 fi
 
-missing=()
-for package in "${packages[@]}"; do
-  is_installed "$package" || missing+=("$package")
-done
-if [ ${#missing[@]} -eq 0 ]; then
-  echo "setup: all ${#packages[@]} packages are installed"
+mapfile -t missing < <(missing_of "${needed[@]}")
+mapfile -t wanted < <(missing_of "${wished[@]}")
+if [ ${#missing[@]} -eq 0 ]; then mapfile -t wanted < <(known_of "${wanted[@]}"); fi # no new lists for wishes alone
+if [ ${#missing[@]} -eq 0 ] && [ ${#wanted[@]} -eq 0 ]; then
+  echo "setup: all ${#needed[@]} packages are installed"
   exit 0
 fi
 
@@ -32,18 +61,23 @@ elif command -v sudo >/dev/null; then
   as_root=(sudo env)
 else
   echo "setup: missing packages and no sudo; run as root:" >&2
-  echo "  apt-get update && apt-get install -y --no-install-recommends ${missing[*]}" >&2
+  echo "  apt-get update && apt-get install -y --no-install-recommends ${missing[*]} ${wanted[*]}" >&2
   exit 1
 fi
 
-echo "setup: installing ${#missing[@]} of ${#packages[@]} packages: ${missing[*]}"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-if ! { "${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get update -q &&
-       "${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}"; } \
-     >"$log" 2>&1; then
-  tail -n 20 "$log" >&2
-  echo "setup: apt-get failed (its last lines are above)" >&2
-  exit 1
-fi
+apt() {
+  if ! "${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get "$@" >"$log" 2>&1; then
+    tail -n 20 "$log" >&2
+    echo "setup: apt-get failed (its last lines are above)" >&2
+    exit 1
+  fi
+}
+apt update -q
+mapfile -t found < <(known_of "${wanted[@]}")
+[ ${#found[@]} -eq ${#wanted[@]} ] || echo "setup: this release has not all of: ${wanted[*]} (only style checks need them)"
+missing+=("${found[@]}")
+echo "setup: installing ${#missing[@]} packages: ${missing[*]}"
+apt install -y -q --no-install-recommends "${missing[@]}"
 echo "setup: done"

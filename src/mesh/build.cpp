@@ -1,4 +1,5 @@
 #include "pdx/mesh/build.hpp"
+#include "pdx/base/petsc_version.hpp"
 #include "pdx/mesh/flatten.hpp"
 #include "pdx/mesh/gmsh.hpp"
 
@@ -21,7 +22,11 @@ struct SerialMesh {
 /// Documents, reads and judges PETSc's own option.
 const char* partitioner_type()
 {
+#ifdef PETSC_HAVE_PTSCOTCH
   static constexpr const char* types[] = {"metis", "ptscotch", "simple"};
+#else
+  static constexpr const char* types[] = {"metis", "simple"};
+#endif
   return types[Options("mesh").choice("-petscpartitioner_type", 0, types, "how the mesh is cut for the ranks")];
 }
 
@@ -51,8 +56,8 @@ SerialMesh box_mesh(MPI_Comm comm, const MeshOptions& options)
                                 options.cells[0], options.cells[1]));
   SerialMesh mesh;
   mesh.boundaries = {"bottom", "right", "top", "left"}; // markers 1 to 4 of "Face Sets"
-  PDX_CALL(DMPlexCreateBoxMesh(comm, 2, PETSC_FALSE, options.cells.data(), options.box.lower.data(),
-                               options.box.upper.data(), nullptr, PETSC_TRUE, mesh.plex.out()));
+  PDX_CALL(create_quadrilaterals(comm, options.cells.data(), options.box.lower.data(), options.box.upper.data(),
+                                 mesh.plex.out()));
   DMLabel sides = nullptr;
   PetscInt first = 0, end = 0;
   PDX_CALL(DMCreateLabel(mesh.plex.get(), kBoundaryLabel));

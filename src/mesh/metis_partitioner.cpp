@@ -1,3 +1,4 @@
+#include "pdx/base/petsc_version.hpp"
 #include "pdx/mesh/build.hpp"
 
 #include <algorithm>
@@ -160,7 +161,7 @@ PetscErrorCode create_metis(PetscPartitioner partitioner)
 {
   partitioner->data = nullptr;
   partitioner->noGraph = PETSC_FALSE;
-  partitioner->ops->partition = partition_metis;
+  partitioner->ops->partition = PartitionOperation<decltype(partitioner->ops->partition), partition_metis>::value;
   return 0;
 }
 } // namespace
