@@ -17,12 +17,8 @@ struct CellList {
   std::vector<Edge> edges;                 ///< of the outer boundary; one entry for every name an edge has
 };
 
-/// Reads a Gmsh file (2.2 or 4.1) of four-node cells in a plane z = constant. Physical curves name the boundaries;
-/// edges of the outer boundary without a named curve go to "unnamed". Clockwise cells are turned. Not collective.
-/// Throws UserError for anything else, in one line that begins with "-mesh_file FILE".
+/// Reads a Gmsh file (2.2 or 4.1, text or binary) of four-node cells in a plane z = constant. Physical curves name the
+/// boundaries; edges of the outer boundary without a named curve go to "unnamed". Clockwise cells are turned. Not
+/// collective. Throws UserError for anything else, in one line that begins with "-mesh_file FILE".
 CellList read_gmsh(const std::string& file);
-
-/// Looks for what PETSc's reader does not survive or cannot name in an ASCII file: elements other than points, lines
-/// and four-node cells, and unknown node numbers. Not collective. Throws UserError as above.
-void scan_gmsh(const std::string& file);
 } // namespace pdx::mesh
