@@ -9,7 +9,7 @@ set -euo pipefail
 demo=(
   build-essential cmake ninja-build pkgconf git
   petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libmetis-dev
-  libeigen3-dev libfmt-dev nlohmann-json3-dev
+  libeigen3-dev libfmt-dev nlohmann-json3-dev libxxhash-dev
   python3 python3-numpy python3-matplotlib python3-h5py
 )
 tests=(libgtest-dev libbenchmark-dev valgrind)

@@ -2,6 +2,7 @@
 
 #include "pdx/base/events.hpp"
 #include "pdx/io/agree.hpp"
+#include "pdx/io/hdf5_file.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -56,7 +57,7 @@ solve::TimeDriver::Clock clock_of(const std::map<std::string, double>& n)
           n.at("start_bound")};
 }
 
-/// Named numbers: a table of one column whose names are its attribute.
+/// Named numbers: a table of one column, and their names, a line each.
 void write_numbers(io::Hdf5File& file, const std::map<std::string, double>& numbers, bool here)
 {
   std::string names;
@@ -66,17 +67,32 @@ void write_numbers(io::Hdf5File& file, const std::map<std::string, double>& numb
     if (here) values.push_back(value);
   }
   file.dataset("/numbers", std::span<const double>(values), 1);
-  file.attribute("/numbers", "names", names);
+  file.text("/number_names", names);
 }
 
-std::map<std::string, double> read_numbers(const io::Hdf5Reader& file)
+std::map<std::string, double> read_numbers(const io::SealedReader& file)
 {
-  const std::vector<std::string> names = split(file.text("/numbers", "names"));
-  std::vector<double> values(names.size());
-  file.read("/numbers", 0, 1, std::span<double>(values));
+  const std::vector<std::string> names = split(file.text("/number_names"));
+  const std::vector<double> values = file.column("/numbers");
+  file.require("/numbers", names.size() == values.size() ? "" : "has other names than numbers");
   std::map<std::string, double> numbers;
   for (std::size_t k = 0; k < names.size(); ++k) numbers[names[k]] = values[k];
   return numbers;
+}
+
+/// What is wrong with the numbers of a checkpoint, "" if nothing is.
+std::string fault_of(const std::map<std::string, double>& numbers)
+{
+  for (const char* name :
+       {"time", "step", "length", "origin_time", "origin_step", "origin_length", "energy_bound", "initial_energy",
+        "start_bound", "fields", "end", "step_length", "largest_energy", "largest_residual"})
+    if (!numbers.contains(name)) return fmt::format("has no {}", name);
+  for (const char* name : {"step", "origin_step", "fields"})
+    if (const double n = numbers.at(name); n < 0.0 || n > 2147483647.0 || n != std::floor(n))
+      return fmt::format("has {} {}: must be a whole number from 0 on", name, n);
+  for (const char* name : {"time", "length", "origin_time", "origin_length", "end", "step_length"})
+    if (const double n = numbers.at(name); n < 0.0) return fmt::format("has {} {} s: must be at least 0", name, n);
+  return "";
 }
 } // namespace
 
@@ -88,11 +104,9 @@ Checkpoints::Checkpoints(RunFiles& files)
 
 void Checkpoints::read_head()
 {
-  from_ = std::make_unique<io::Hdf5Reader>(files_.comm(), options_.restart);
-  if (!from_->has("/numbers")) throw UserError(fmt::format("-restart is {}: not a checkpoint", options_.restart));
+  from_ = std::make_unique<io::SealedReader>(files_.comm(), options_.restart);
   head_ = read_numbers(*from_);
-  for (const char* name : {"fields", "end", "step_length"})
-    if (!head_.contains(name)) throw UserError(fmt::format("-restart is {}: not a checkpoint", options_.restart));
+  from_->require("/numbers", fault_of(head_));
   // The directory it lies in is the run's own: its files go on. Elsewhere new ones begin.
   const std::filesystem::path directory = std::filesystem::path(options_.restart).parent_path();
   std::error_code none;
@@ -103,7 +117,7 @@ void Checkpoints::read_head()
 
 void Checkpoints::refuse_other_scene() const
 {
-  const std::vector<std::string> there = split(from_->text("/", "scene")), here = split(scene_->scene());
+  const std::vector<std::string> there = split(from_->text("/scene")), here = split(scene_->scene());
   for (std::size_t k = 0; k < std::max(there.size(), here.size()); ++k)
     if (k >= there.size() || k >= here.size() || there[k] != here[k])
       throw UserError(fmt::format("-restart is {}: it is of another scene, which has \"{}\"; this one has \"{}\"",
@@ -224,14 +238,20 @@ void Checkpoints::write(const solve::TimeDriver& driver, Kept kept)
   numbers["step_length"] = step_length_;
   const std::filesystem::path path = std::filesystem::path(files_.options.output.directory) / kFile;
   const std::filesystem::path part = path.string() + ".part";
-  io::Hdf5File file(files_.comm(), part);
-  file.attribute("/", "scene", scene_->scene());
-  write_numbers(file, numbers, rank_in(files_.comm()) == 0);
-  write_sums(file, driver);
-  scene_->write(file, driver);
-  if (kept.cracks) scene_->write_cracks(file, *kept.cracks);
-  file.close();
-  io::rename_durably(files_.comm(), part, path);
+  try {
+    io::Hdf5File file(files_.comm(), part, io::Hdf5File::Mode::sealed);
+    file.text("/scene", scene_->scene());
+    write_numbers(file, numbers, rank_in(files_.comm()) == 0);
+    write_sums(file, driver);
+    scene_->write(file, driver);
+    if (kept.cracks) scene_->write_cracks(file, *kept.cracks);
+    file.close();
+    io::rename_durably(files_.comm(), part, path);
+  } catch (...) { // no half of one stays, and what was there is untouched
+    std::error_code none;
+    if (rank_in(files_.comm()) == 0) std::filesystem::remove(part, none);
+    throw;
+  }
   written_ = MPI_Wtime();
 }
 } // namespace pdx::app

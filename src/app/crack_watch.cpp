@@ -159,5 +159,6 @@ void CrackWatch::write_paths() const
   for (std::size_t t = 0; t < tips.size(); ++t)
     for (const post::PathPoint& point : tips[t].path)
       curve.row(std::vector<double>{static_cast<double>(t + 1), point.time, point.at[0], point.at[1]});
+  curve.close();
 }
 } // namespace pdx::app

@@ -44,7 +44,7 @@ void Recorder::open_history()
     files_.add_tip_columns(columns);
   }
   files_.add_reaction_columns(columns);
-  files_.open_history(columns);
+  files_.expect_history(std::move(columns));
 }
 
 /// Energies, work and reactions at an accepted load.

@@ -6,11 +6,13 @@
 #include "pdx/app/run_in_time.hpp"
 #include "pdx/app/stop_signals.hpp"
 #include "pdx/base/events.hpp"
+#include "pdx/base/memory.hpp"
 #include "pdx/solve/static_driver.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <new>
 
 namespace pdx::app {
 namespace {
@@ -109,7 +111,7 @@ void run_static(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::v
     driver.run(u.get(), [&](const solve::Step& step, Vec state) { recorder.accept(step, state, driver, prior); });
   } catch (const SolverFailure&) {
     recorder.count(driver.report());
-    recorder.stopped_at(u.get());
+    files.after_failure([&] { recorder.stopped_at(u.get()); });
     throw;
   }
   recorder.finish(driver.report());
@@ -160,8 +162,16 @@ void run(MPI_Comm comm, double begin)
       run_plane(files);
     if (const std::string unused = unused_options(); !unused.empty())
       files.warn("options of PETSc that nothing used: " + unused);
+  } catch (const UserError&) {
+    throw;
   } catch (const SolverFailure& failure) {
     files.fail(failure.what());
+    throw;
+  } catch (const std::bad_alloc&) {
+    files.lost(memory_ran_out());
+    throw;
+  } catch (const std::exception& failure) {
+    files.lost(failure.what());
     throw;
   }
 }

@@ -1,11 +1,16 @@
 #include "pdx/app/run_files.hpp"
 
 #include "pdx/app/cloud_body.hpp"
+#include "pdx/app/last_words.hpp"
 #include "pdx/app/output_blocks.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/base/machine_failure.hpp"
 #include "pdx/io/agree.hpp"
+#include "pdx/io/earlier_files.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <utility>
 
 namespace pdx::app {
 RunFiles::RunFiles(MPI_Comm comm, const SceneOptions& given, double begin)
@@ -13,6 +18,7 @@ RunFiles::RunFiles(MPI_Comm comm, const SceneOptions& given, double begin)
 {
   summary.case_name = options.case_name;
   io::create_directory(comm, options.output.directory);
+  lock_ = std::make_unique<io::RunLock>(comm, options.output.directory);
 }
 
 Standing::Standing(mesh::Mesh* background, const Solid* space) : mesh(background), solid(space), model(space) {}
@@ -37,10 +43,6 @@ void RunFiles::built(const Standing& standing)
                             options.case_name, counts[0] + counts[1] + counts[2], counts[0] + counts[1], counts[2],
                             scene.mesh->quality().cut, scene.mesh->quality().imbalance));
   report_cracks();
-  if (!options.output.fields) return;
-  const int kept = continued.here ? continued.fields : 0;
-  fields = std::make_unique<io::FieldsFile>(comm_, options.output.directory, kept);
-  if (kept && fields->fresh()) warn("fields.h5 was cut off while it was written: put aside as fields_before.h5");
 }
 
 void RunFiles::report_cracks()
@@ -67,16 +69,32 @@ void RunFiles::report_cracks()
                      tip[0], tip[1]));
 }
 
-void RunFiles::started()
+void RunFiles::make_room()
 {
-  summary.wall_seconds.setup = MPI_Wtime() - begin_;
-  summary.memory_mb["before_solve"] = io::resident_memory_mb();
+  if (std::exchange(room_made_, true)) return;
+  int rank = 0;
+  MPI_Comm_rank(comm_, &rank);
+  if (rank) return;
+  const auto gone = io::clear_earlier_files(options.output.directory, continued.here);
+  if (!gone.empty() && !continued.here)
+    progress.line(fmt::format("of an earlier run in {}, gone: {}{}", options.output.directory, fmt::join(gone, ", "),
+                              gone.back() == "checkpoint.h5" ? " (now checkpoint_before.h5)" : ""));
 }
 
-void RunFiles::open_history(const std::vector<io::Column>& columns)
+void RunFiles::started()
 {
-  history = std::make_unique<io::Curve>(comm_, std::filesystem::path(options.output.directory) / "history.csv", columns,
-                                        continued.here ? std::optional<double>(continued.step) : std::nullopt);
+  make_room();
+  if (!columns_.empty())
+    history =
+        std::make_unique<io::Curve>(comm_, std::filesystem::path(options.output.directory) / "history.csv", columns_,
+                                    continued.here ? std::optional<double>(continued.step) : std::nullopt);
+  if (options.output.fields) {
+    const int kept = continued.here ? continued.fields : 0;
+    fields = std::make_unique<io::FieldsFile>(comm_, options.output.directory, kept);
+    if (kept && fields->fresh()) warn("fields.h5 was cut off while it was written: put aside as fields_before.h5");
+  }
+  summary.wall_seconds.setup = MPI_Wtime() - begin_;
+  summary.memory_mb["before_solve"] = io::resident_memory_mb();
 }
 
 void RunFiles::add_tip_columns(std::vector<io::Column>& columns) const
@@ -119,7 +137,29 @@ void RunFiles::write_fields(double time, Vec u, const std::vector<double>& relat
 void RunFiles::fail(const std::string& why)
 {
   summary.message = why;
-  write_summary("failed");
+  after_failure([&] { write_summary("failed"); });
+}
+
+void RunFiles::lost(const std::string& why) noexcept
+{
+  try {
+    if (!LastWords::say(why)) return;
+    summary.message = why;
+    summary.status = "failed";
+    summary.wall_seconds.total = MPI_Wtime() - begin_;
+    if (!std::exchange(room_made_, true)) io::clear_earlier_files(options.output.directory, continued.here);
+    (void)io::write_summary_alone(comm_, summary_path(), summary);
+  } catch (...) { // the first cause has been told
+  }
+}
+
+void RunFiles::after_failure(const std::function<void()>& write) const
+{
+  try {
+    write();
+  } catch (const MachineFailure& failure) {
+    warn(failure.what());
+  }
 }
 
 void RunFiles::warn(const std::string& what) const
@@ -129,11 +169,19 @@ void RunFiles::warn(const std::string& what) const
   if (rank == 0) fmt::print(stderr, "warning: {}\n", what);
 }
 
+std::filesystem::path RunFiles::summary_path() const
+{
+  return std::filesystem::path(options.output.directory) / "summary.json";
+}
+
 void RunFiles::write_summary(const char* status)
 {
+  make_room();
+  if (history) history->close();
+  if (fields) fields->close();
   summary.status = status;
   summary.events = io::gather_event_counts(comm_);
   summary.wall_seconds.total = MPI_Wtime() - begin_;
-  io::write_summary(comm_, std::filesystem::path(options.output.directory) / "summary.json", summary);
+  io::write_summary(comm_, summary_path(), summary);
 }
 } // namespace pdx::app

@@ -52,8 +52,8 @@ public:
         return checkpoints_ ? checkpoints_->after_step(*driver, recorder_) : solve::TimeDriver::Verdict::go_on;
       });
     } catch (const SolverFailure&) {
-      recorder_.stopped_at(*driver);
-      if (checkpoints_) checkpoints_->failed(*driver);
+      files_.after_failure([&] { recorder_.stopped_at(*driver); });
+      if (checkpoints_) files_.after_failure([&] { checkpoints_->failed(*driver); });
       throw;
     }
     if (checkpoints_ && !checkpoints_->stopped().empty()) return stop(*driver);

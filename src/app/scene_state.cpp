@@ -1,6 +1,7 @@
 #include "pdx/app/scene_state.hpp"
 
 #include "pdx/app/cloud_body.hpp"
+#include "pdx/app/scene_signature.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/base/fingerprint.hpp"
 #include "pdx/base/gather.hpp"
@@ -13,8 +14,9 @@
 
 namespace pdx::app {
 namespace {
-constexpr int kFormat = 3;                           // of the tables
-constexpr const char* kArrivals = "/crack_arrivals"; // patch, site, time [s], look
+constexpr const char* kArrivals = "/crack_arrivals";      // patch, site, time [s], look
+constexpr const char* kCracks = "/crack_numbers";         // time [s], largest speed [m/s], bonds broken
+constexpr const char* kCarried = "/broken_carried_bonds"; // their keys, ascending
 
 /// An enriched set by what does not depend on the number of ranks: vertex, crack.
 using SetName = std::array<Index, 2>;
@@ -134,11 +136,12 @@ void SceneState::describe(const SceneOptions& options)
 {
   std::int64_t counts[2] = {model_.system.rows.nodes, model_.system.rows.particles};
   MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, model_.system.rows.comm);
-  text_ = fmt::format("format = {}\nvertices = {}\nnodes = {}\nenriched sets = {}\nparticles = {}\n", kFormat,
-                      scene_.mesh->global_vertices(), counts[0], sets_, counts[1]);
+  text_ = fmt::format("vertices = {}\nnodes = {}\nenriched sets = {}\nparticles = {}\n", scene_.mesh->global_vertices(),
+                      counts[0], sets_, counts[1]);
   text_ += fmt::format("supports = {}\n", supports_);
   text_ += lines_of(options, scene_);
   text_ += fmt::format("critical stretch = {}\n", fmt::join(model_.critical_stretch, ", "));
+  text_ += scene_signature(model_.system.rows.comm);
 }
 
 void SceneState::write(io::Hdf5File& file, const solve::TimeDriver& driver) const
@@ -173,12 +176,12 @@ void SceneState::write(io::Hdf5File& file, const solve::TimeDriver& driver) cons
   int rank = 0;
   MPI_Comm_rank(model_.system.rows.comm, &rank);
   if (rank) keys.clear();
-  file.dataset("/broken_carried_bonds", std::span<const std::uint64_t>(keys), 1);
+  file.dataset(kCarried, std::span<const std::uint64_t>(keys), 1);
 }
 
 int SceneState::words_per_particle() const { return scene_.cloud ? scene_.cloud->words_per_particle() : 2; }
 
-std::vector<double> SceneState::read_rows(const io::Hdf5Reader& file, const std::string& name) const
+std::vector<double> SceneState::read_rows(const io::SealedReader& file, const std::string& name) const
 {
   const int dim = model_.system.rows.dim;
   std::vector<double> block(static_cast<std::size_t>(dim) * static_cast<std::size_t>(rows_->rows()));
@@ -186,7 +189,7 @@ std::vector<double> SceneState::read_rows(const io::Hdf5Reader& file, const std:
   return rows_->from_table(block, dim);
 }
 
-void SceneState::read_bonds(const io::Hdf5Reader& file) const
+void SceneState::read_bonds(const io::SealedReader& file) const
 {
   const int width = words_per_particle();
   std::vector<std::uint64_t> block(static_cast<std::size_t>(width) * static_cast<std::size_t>(particles_->rows()));
@@ -202,12 +205,13 @@ void SceneState::read_bonds(const io::Hdf5Reader& file) const
     }
   });
   if (!scene_.d || !scene_.d->carried) return;
-  std::vector<std::uint64_t> keys(static_cast<std::size_t>(file.shape("/broken_carried_bonds")[0]));
-  file.read("/broken_carried_bonds", 0, 1, std::span<std::uint64_t>(keys));
+  std::vector<std::uint64_t> keys(static_cast<std::size_t>(file.shape(kCarried)[0]));
+  file.read(kCarried, 0, 1, std::span<std::uint64_t>(keys));
+  file.require(kCarried, std::ranges::is_sorted(keys) ? "" : "is not in order");
   scene_.d->carried->set_broken(keys);
 }
 
-void SceneState::read(const io::Hdf5Reader& file, const solve::TimeDriver::Clock& clock,
+void SceneState::read(const io::SealedReader& file, const solve::TimeDriver::Clock& clock,
                       solve::TimeDriver& driver) const
 {
   if (model_.breaker) read_bonds(file);
@@ -239,9 +243,9 @@ void SceneState::write_cracks(io::Hdf5File& file, const CrackNotes& notes) const
                                  static_cast<double>(look)})
         table.push_back(entry);
   file.dataset(kArrivals, std::span<const double>(table), 4);
-  file.attribute(kArrivals, "time", tracker.time);
-  file.attribute(kArrivals, "largest_speed", tracker.largest_speed);
-  file.attribute(kArrivals, "bonds_broken", static_cast<double>(notes.bonds_broken));
+  std::vector<double> numbers{tracker.time, tracker.largest_speed, static_cast<double>(notes.bonds_broken)};
+  if (rank) numbers.clear();
+  file.dataset(kCracks, std::span<const double>(numbers), 1);
   std::vector<double> damage(model_.particles.size(), 0.0);
   auto watched = tracker.damage.begin();
   for (std::size_t k = 0; k < damage.size(); ++k)
@@ -250,15 +254,36 @@ void SceneState::write_cracks(io::Hdf5File& file, const CrackNotes& notes) const
   file.dataset("/crack_damage", std::span<const double>(block), 1);
 }
 
-std::optional<CrackNotes> SceneState::read_cracks(const io::Hdf5Reader& file) const
+/// Why a row of the table of arrivals cannot follow those before it, "" if it can.
+std::string SceneState::fault_of_arrival(std::span<const double> row, const post::CrackTracker::State& before) const
+{
+  const double patches = static_cast<double>(first_.size()) - 1.0;
+  const auto is_number = [](double value, double end) {
+    return value >= 0.0 && value < end && value == std::floor(value);
+  };
+  if (!is_number(row[0], patches)) return fmt::format("has patch {}, of {}", row[0], patches);
+  const auto patch = static_cast<std::size_t>(row[0]);
+  const double sites = first_[patch + 1] - first_[patch];
+  if (!is_number(row[1], sites)) return fmt::format("has site {}, of {}", row[1], sites);
+  const auto looks = static_cast<double>(before.per_look.size());
+  if (row[3] != looks && (looks == 0.0 || row[3] != looks - 1.0))
+    return fmt::format("has look {} behind {}", row[3], looks);
+  return row[2] >= 0.0 ? "" : fmt::format("has time {} s", row[2]);
+}
+
+std::optional<CrackNotes> SceneState::read_cracks(const io::SealedReader& file) const
 {
   if (!file.has(kArrivals)) return std::nullopt;
-  CrackNotes notes{std::llround(file.real(kArrivals, "bonds_broken")), {}};
-  notes.tracker.time = file.real(kArrivals, "time");
-  notes.tracker.largest_speed = file.real(kArrivals, "largest_speed");
+  const std::vector<double> numbers = file.column(kCracks);
+  const bool good = numbers.size() == 3 && std::ranges::all_of(numbers, [](double n) { return n >= 0.0 && n < 1e15; });
+  file.require(kCracks, good ? "" : "must hold three numbers, none below 0");
+  CrackNotes notes{std::llround(numbers[2]), {}};
+  notes.tracker.time = numbers[0];
+  notes.tracker.largest_speed = numbers[1];
   std::vector<double> table(4 * static_cast<std::size_t>(file.shape(kArrivals)[0]));
   file.read(kArrivals, 0, 4, std::span<double>(table));
   for (std::size_t k = 0; k < table.size(); k += 4) {
+    file.require(kArrivals, fault_of_arrival({table.data() + k, 4}, notes.tracker));
     notes.tracker.arrivals.push_back({static_cast<Index>(table[k]), static_cast<Index>(table[k + 1]), table[k + 2]});
     notes.tracker.per_look.resize(static_cast<std::size_t>(table[k + 3]) + 1);
     ++notes.tracker.per_look.back();

@@ -24,7 +24,7 @@ void TimeRecorder::built(const Standing& scene)
   if (d_->breaker) columns.insert(columns.end(), {{"energy_fracture", "J"}, {"bonds_broken", "-"}});
   if (cracks_) CrackWatch::columns(columns);
   files_.add_reaction_columns(columns);
-  files_.open_history(columns);
+  files_.expect_history(std::move(columns));
 }
 
 void TimeRecorder::started(const solve::TimeDriver& driver, const StepLimits& limits)

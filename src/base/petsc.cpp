@@ -1,5 +1,8 @@
 #include "pdx/base/petsc.hpp"
 
+#include "pdx/base/machine_failure.hpp"
+#include "pdx/base/memory.hpp"
+
 #include <exception>
 
 namespace pdx {
@@ -13,6 +16,14 @@ PetscErrorCode remember(MPI_Comm, int, const char* function, const char*, PetscE
   if (type == PETSC_ERROR_INITIAL && first_message.empty())
     first_message = std::string(function ? function : "PETSc") + ": " + (message ? message : "unknown error");
   return code;
+}
+
+/// What MUMPS, hypre and others say in PETSc's errors of other kinds.
+bool is_of_memory(const std::string& message)
+{
+  return message.starts_with("PetscMalloc") || message.starts_with("PetscRealloc") ||
+         message.find("allocate required memory") != std::string::npos ||
+         message.find("ut of memory") != std::string::npos;
 }
 } // namespace
 
@@ -36,6 +47,7 @@ void check(PetscErrorCode code, const char* call, const char* file, int line)
   std::string message = take_petsc_message();
   for (char& c : message)
     if (c == '\n') c = ' ';
+  if (code == PETSC_ERR_MEM || is_of_memory(message)) throw MachineFailure(memory_ran_out());
   const char* name = nullptr;
   if (message.empty() && !PetscErrorMessage(code, &name, nullptr) && name) message = name;
   if (code == PETSC_ERR_ARG_UNKNOWN_TYPE) throw UserError(message + " (the value of a PETSc option)");

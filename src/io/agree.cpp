@@ -1,53 +1,26 @@
 #include "pdx/io/agree.hpp"
 
 #include "pdx/base/error.hpp"
+#include "pdx/base/machine_failure.hpp"
+#include "pdx/io/disk_file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <fcntl.h>
-#include <fstream>
 #include <unistd.h>
 
 namespace pdx::io {
 namespace {
+// What may be wrong with a path that somebody made up.
+constexpr std::array kPathFaults{ENOENT, EACCES, EPERM, ENOTDIR, EISDIR, EEXIST, ENAMETOOLONG, ELOOP, EINVAL, ENXIO};
+
 int rank_in(MPI_Comm comm)
 {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   return rank;
-}
-
-/// Why the file could not be replaced, "" if it was.
-std::string try_replace(const std::filesystem::path& path, std::string_view text)
-{
-  const std::filesystem::path temporary = path.string() + ".part";
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  file.write(text.data(), static_cast<std::streamsize>(text.size()));
-  file.close();
-  if (!file) return "cannot write '" + temporary.string() + "': " + std::strerror(errno);
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  return error ? "cannot write '" + path.string() + "': " + error.message() : "";
-}
-
-/// Waits until a file or directory is on the disk; false with errno if it cannot be.
-bool sync_path(const std::filesystem::path& path)
-{
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return false;
-  const bool ok = fsync(file) == 0;
-  close(file);
-  return ok;
-}
-
-std::string try_rename(const std::filesystem::path& from, const std::filesystem::path& to)
-{
-  const std::filesystem::path directory = to.has_parent_path() ? to.parent_path() : std::filesystem::path(".");
-  const bool ok = sync_path(from) && std::rename(from.c_str(), to.c_str()) == 0;
-  if (!ok) return "cannot write '" + to.string() + "': " + std::strerror(errno);
-  (void)sync_path(directory); // some file systems have no such thing
-  return "";
 }
 } // namespace
 
@@ -66,28 +39,52 @@ std::string first_message(MPI_Comm comm, const std::string& mine)
   return message;
 }
 
+Fault disk_fault(const std::string& what, const std::filesystem::path& path, int code)
+{
+  return {code ? what + " '" + path.string() + "': " + std::strerror(code) : "", true};
+}
+
+Fault path_fault(const std::string& what, const std::filesystem::path& path, int code)
+{
+  return {disk_fault(what, path, code).text, std::ranges::find(kPathFaults, code) == kPathFaults.end()};
+}
+
+void settle(MPI_Comm comm, const Fault& mine)
+{
+  const std::string first = first_message(comm, mine ? (mine.machine ? "m" : "u") + mine.text : "");
+  if (first.empty()) return;
+  if (first[0] == 'u') throw UserError(first.substr(1));
+  throw MachineFailure(first.substr(1));
+}
+
 void create_directory(MPI_Comm comm, const std::filesystem::path& directory)
 {
-  std::string message;
-  if (rank_in(comm) == 0 && !directory.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(directory, error);
-    if (error) message = "cannot create the directory '" + directory.string() + "': " + error.message();
-  }
-  message = first_message(comm, message);
-  if (!message.empty()) throw UserError(message);
+  std::error_code error;
+  if (rank_in(comm) == 0 && !directory.empty()) std::filesystem::create_directories(directory, error);
+  settle(comm, path_fault("cannot create the directory", directory, error.value()));
+}
+
+Fault replace_file_alone(const std::filesystem::path& path, std::string_view text)
+{
+  const std::filesystem::path part = path.string() + ".part";
+  DiskFile file;
+  int code = file.open(part, O_WRONLY | O_CREAT | O_TRUNC);
+  if (!code) code = file.write(std::as_bytes(std::span(text)), 0);
+  if (!code) code = file.sync();
+  if (const int at_end = file.close(); !code) code = at_end;
+  if (!code) code = rename_on_disk(part, path);
+  if (code) (void)unlink(part.c_str());
+  return disk_fault("cannot write", path, code);
 }
 
 void replace_file(MPI_Comm comm, const std::filesystem::path& path, std::string_view text)
 {
-  const std::string message = first_message(comm, rank_in(comm) == 0 ? try_replace(path, text) : "");
-  if (!message.empty()) throw SolverFailure(message);
+  settle(comm, rank_in(comm) == 0 ? replace_file_alone(path, text) : Fault{});
 }
 
 void rename_durably(MPI_Comm comm, const std::filesystem::path& from, const std::filesystem::path& to)
 {
   MPI_Barrier(comm);
-  const std::string message = first_message(comm, rank_in(comm) == 0 ? try_rename(from, to) : "");
-  if (!message.empty()) throw SolverFailure(message);
+  settle(comm, rank_in(comm) == 0 ? disk_fault("cannot write", to, rename_on_disk(from, to)) : Fault{});
 }
 } // namespace pdx::io

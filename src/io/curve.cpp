@@ -1,22 +1,18 @@
 #include "pdx/io/curve.hpp"
 
-#include "pdx/base/error.hpp"
 #include "pdx/io/agree.hpp"
 
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <fstream>
+#include <stdexcept>
 
 namespace pdx::io {
 namespace {
-/// Why the line could not be written, "" if it was.
-std::string put_line(std::FILE* file, const std::string& line)
-{
-  const bool ok = std::fputs(line.c_str(), file) >= 0 && std::fputc('\n', file) >= 0 && std::fflush(file) == 0;
-  return ok ? "" : std::strerror(errno);
-}
+std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
 
 std::string header(const std::vector<Column>& columns)
 {
@@ -36,51 +32,50 @@ std::vector<std::string> kept_lines(const std::filesystem::path& path, double ke
   return lines;
 }
 
-/// Leaves in the file what is kept of it; why it cannot, "" if it did.
-std::string shorten(const std::filesystem::path& path, const std::string& first, double keep_to)
+/// Leaves in the file what is kept of it.
+Fault shorten(const std::filesystem::path& path, const std::string& first, double keep_to)
 {
   const std::vector<std::string> lines = kept_lines(path, keep_to);
-  if (!lines.empty() && lines.front() != first) return "it has other columns: take another -output_dir";
-  std::ofstream file(path.string() + ".part", std::ios::trunc);
-  file << fmt::format("{}\n", lines.empty() ? first : fmt::format("{}", fmt::join(lines, "\n")));
-  file.close();
-  if (!file || std::rename((path.string() + ".part").c_str(), path.c_str()) != 0) return std::strerror(errno);
-  return "";
-}
-
-std::string begin(const std::filesystem::path& path, const std::string& first, std::optional<double> keep_to)
-{
-  if (keep_to) return shorten(path, first, *keep_to);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "w"), std::fclose);
-  return file ? put_line(file.get(), first) : std::strerror(errno);
+  if (!lines.empty() && lines.front() != first)
+    return {fmt::format("cannot go on with '{}': it has other columns: take another -output_dir", path.string()),
+            false};
+  return replace_file_alone(path, fmt::format("{}\n", fmt::join(lines.empty() ? std::vector{first} : lines, "\n")));
 }
 } // namespace
 
 Curve::Curve(MPI_Comm comm, std::filesystem::path path, const std::vector<Column>& columns,
              std::optional<double> keep_to)
-    : comm_(comm), path_(std::move(path)), columns_(columns.size()), file_(nullptr, std::fclose)
+    : comm_(comm), path_(std::move(path)), columns_(columns.size())
 {
   int rank = 0;
   MPI_Comm_rank(comm_, &rank);
-  std::string reason;
+  Fault fault;
   if (rank == 0) {
-    reason = begin(path_, header(columns), keep_to);
-    if (reason.empty()) file_.reset(std::fopen(path_.c_str(), "a"));
-    if (reason.empty() && !file_) reason = std::strerror(errno);
+    const std::string first = header(columns);
+    if (keep_to) fault = shorten(path_, first, *keep_to);
+    const int fresh = keep_to ? 0 : O_CREAT | O_TRUNC;
+    if (!fault) fault = path_fault("cannot create", path_, file_.open(path_, O_WRONLY | fresh));
+    if (!fault && !keep_to) fault = disk_fault("cannot write", path_, file_.append(bytes_of(first + "\n")));
   }
-  reason = first_message(comm_, reason);
-  if (!reason.empty())
-    throw UserError((keep_to ? "cannot go on with '" : "cannot create '") + path_.string() + "': " + reason);
+  settle(comm_, fault);
 }
 
 void Curve::row(std::span<const double> values)
 {
-  std::string reason;
-  if (file_) {
-    reason = values.size() == columns_ ? put_line(file_.get(), fmt::format("{}", fmt::join(values, ",")))
-                                       : fmt::format("{} values for {} columns", values.size(), columns_);
+  Fault fault;
+  if (file_.is_open()) {
+    if (values.size() != columns_)
+      throw std::logic_error(fmt::format("{} values for {} columns of '{}'", values.size(), columns_, path_.string()));
+    const int code = file_.is_linked() ? file_.append(bytes_of(fmt::format("{}\n", fmt::join(values, ",")))) : ENOENT;
+    fault = disk_fault("cannot write", path_, code);
   }
-  reason = first_message(comm_, reason);
-  if (!reason.empty()) throw SolverFailure("cannot write '" + path_.string() + "': " + reason);
+  settle(comm_, fault);
+}
+
+void Curve::close()
+{
+  int code = file_.is_open() ? file_.sync() : 0;
+  if (const int at_end = file_.close(); !code) code = at_end;
+  settle(comm_, disk_fault("cannot write", path_, code));
 }
 } // namespace pdx::io

@@ -6,6 +6,7 @@
 #include "pdx/io/xdmf.hpp"
 
 #include <array>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
@@ -102,19 +103,25 @@ XdmfGrid write_block(Hdf5File& file, const std::string& step, const field::Outpu
 
 std::string step_name(int step) { return fmt::format("/step{:06d}", step); }
 
-/// Takes all steps but the first ones out of the file; false if it has not that many.
-bool shorten(const std::filesystem::path& path, int steps)
+/// Takes all steps but the first ones out of an open file; false if it has not that many.
+bool keep_first(hid_t file, int steps)
 {
-  const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
-  const Hdf5Id file(H5Fopen(path.c_str(), H5F_ACC_RDWR, access), H5Fclose);
-  if (!file.valid()) return false;
   const auto has = [&](int step) { return H5Lexists(file, step_name(step).c_str(), H5P_DEFAULT) > 0; };
   for (int step = 0; step < steps; ++step)
     if (!has(step)) return false;
   bool ok = true;
   for (int step = steps; ok && has(step); ++step) ok = H5Ldelete(file, step_name(step).c_str(), H5P_DEFAULT) >= 0;
   return ok && H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0;
+}
+
+bool shorten(const std::filesystem::path& path, int steps)
+{
+  DiskFile disk;
+  if (disk.open(path, O_RDWR)) return false;
+  Hdf5Journal journal(disk);
+  const Hdf5Id access(journal.access(), H5Pclose);
+  const Hdf5Id file(H5Fopen(path.c_str(), H5F_ACC_RDWR, access), H5Fclose);
+  return file.valid() && keep_first(file, steps) && journal.put_on(disk) == 0;
 }
 
 /// Cuts the file down to its first steps, or puts it aside; true if there is something to go on with. Collective.

@@ -1,7 +1,6 @@
 #include "pdx/io/summary.hpp"
 
 #include "pdx/base/events.hpp"
-#include "pdx/io/agree.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -84,10 +83,9 @@ double peak_memory_mb(MPI_Comm comm)
   return peak;
 }
 
-Json summary_json(MPI_Comm comm, const Summary& summary)
+namespace {
+Json json_of(const Summary& summary, int ranks, double peak)
 {
-  int ranks = 0;
-  MPI_Comm_size(comm, &ranks);
   Json json;
   json["case"] = summary.case_name;
   json["version"] = PDX_VERSION;
@@ -97,15 +95,35 @@ Json summary_json(MPI_Comm comm, const Summary& summary)
   json["message"] = summary.message;
   add_counts(json, summary);
   json["partition"] = partition_json(summary.partition);
-  json["peak_memory_mb"] = peak_memory_mb(comm);
+  json["peak_memory_mb"] = peak;
   if (!summary.memory_mb.empty()) json["memory_mb"] = summary.memory_mb;
   json["results"] = summary.results;
   return json;
 }
 
+std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+int ranks_of(MPI_Comm comm)
+{
+  int ranks = 0;
+  MPI_Comm_size(comm, &ranks);
+  return ranks;
+}
+} // namespace
+
+Json summary_json(MPI_Comm comm, const Summary& summary)
+{
+  return json_of(summary, ranks_of(comm), peak_memory_mb(comm));
+}
+
+Fault write_summary_alone(MPI_Comm comm, const std::filesystem::path& path, const Summary& summary)
+{
+  return replace_file_alone(path, text_of(json_of(summary, ranks_of(comm), status_mb("VmHWM:"))));
+}
+
 void write_summary(MPI_Comm comm, const std::filesystem::path& path, const Summary& summary)
 {
   const Json json = summary_json(comm, summary);
-  replace_file(comm, path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  replace_file(comm, path, text_of(json));
 }
 } // namespace pdx::io

@@ -60,7 +60,8 @@ def checkpoint(directory):
     """The tables of a checkpoint and its named numbers."""
     with h5py.File(directory / "checkpoint.h5") as file:
         tables = {name: file[name][()] for name in file}
-        names = file["numbers"].attrs["names"].decode().split()
+    names = bytes(tables.pop("number_names")[:, 0]).decode().split()
+    tables.pop("scene")
     numbers = dict(zip(names, tables.pop("numbers")[:, 0]))
     return tables, numbers
 
@@ -219,6 +220,39 @@ class Restart(program.ProgramTest):
         self.assertIn(f"the state of step {int(numbers['step'])} is kept", run.err)
         self.assertTrue(np.isfinite(tables["velocity"]).all())
 
+    def test_a_damaged_checkpoint_is_refused_and_its_dataset_named(self):
+        directory = self.cut_in_two(TORN, 1, 20)
+        whole = (directory / "checkpoint.h5").read_bytes()
+        with h5py.File(directory / "checkpoint.h5") as file:
+            places = {name: (file[name].id.get_offset(), file[name].id.get_storage_size()) for name in file}
+        damaged = self.scratch / "damaged.h5"
+        cases = [(at + size // 2, f"dataset /{name} is damaged") for name, (at, size) in places.items() if size]
+        self.assertGreater(len(cases), 8)
+        cases += [(k * len(whole) // 9, "cannot read '") for k in range(9)]
+
+        def refused(case):
+            at, words = case
+            file = self.scratch / f"damaged_{at}.h5"
+            file.write_bytes(whole[:at] + bytes([whole[at] ^ 4]) + whole[at + 1 :])
+            return self.launch(TORN | {"-restart": str(file)}, 1), words
+
+        for run, words in program.in_pairs(refused, cases):
+            self.assertEqual(run.status, 1, run.err)
+            self.assertIn(words, run.err)
+            self.assertEqual(run.err.count("\n"), 1, run.err)
+        for size, words in ((0, "too short"), (700, "damaged"), (len(whole) - 1, "damaged"), (len(whole) // 2, "damaged")):
+            damaged.write_bytes(whole[:size])
+            for ranks in (1, 2):
+                run = self.launch(TORN | {"-restart": str(damaged)}, ranks)
+                self.assertEqual(run.status, 1, run.err)
+                self.assertIn(words, run.err)
+                self.assertEqual(run.err.count("\n"), 1, run.err)
+
+    def test_the_same_values_in_other_words_are_the_same_scene(self):
+        directory = self.cut_in_two(TORN, 1, 20)
+        restart = {"-restart": str(directory / "checkpoint.h5"), "-ts_max_steps": "40"}
+        self.solve(TORN | restart | {"-material_young": "1000000000.0", "-pd_horizon_ratio": "3.0", "-output_fields": ""})
+
     def test_what_cannot_go_on_is_refused_in_one_line(self):
         directory = self.cut_in_two(TORN, 1, 20)
         file = str(directory / "checkpoint.h5")
@@ -235,6 +269,12 @@ class Restart(program.ProgramTest):
             ({"-ts_dt": "1e-7"}, "-ts_dt is 1e-07, but the steps of"),
             ({"-restart": "nowhere.h5"}, "cannot read 'nowhere.h5': there is no such file"),
             ({"-restart": str(other)}, f"cannot read '{other}'"),
+            ({"-restart": str(directory)}, f"cannot read '{directory}': it is no file"),
+            ({"-pd_micromodulus": "uniform"}, "of another scene"),
+            ({"-xfem_quadrature": "grid"}, 'which has "-xfem_quadrature = polygons"; this one has "-xfem_quadrature = grid"'),
+            ({"-xfem_least_share": "0.02"}, 'which has "-xfem_least_share = '),
+            ({"-post_tip_damage": "0.5"}, 'which has "-post_tip_damage = '),
+            ({"-pd_skip_tolerance": "1e-9"}, 'which has "-pd_skip_tolerance = '),
             ({"-analysis": "static", "-ts_max_steps": None}, "-restart are for explicit steps"),
         ):
             with self.subTest(change=change):

@@ -39,7 +39,7 @@ private:
   RunFiles& files_;
   const CheckpointOptions& options_;
   StopSignals signals_;
-  std::unique_ptr<io::Hdf5Reader> from_; // until the state is taken over
+  std::unique_ptr<io::SealedReader> from_; // until the state is taken over
   std::unique_ptr<SceneState> scene_;
   couple::BondBreaker* breaker_ = nullptr;
   Numbers head_; // of -restart

@@ -2,9 +2,12 @@
 #include "pdx/app/discretisation.hpp"
 #include "pdx/io/curve.hpp"
 #include "pdx/io/progress.hpp"
+#include "pdx/io/run_lock.hpp"
 #include "pdx/io/snapshot.hpp"
 #include "pdx/io/summary.hpp"
 #include "pdx/post/energy_ledger.hpp"
+
+#include <functional>
 
 namespace pdx::app {
 struct Solid;
@@ -39,13 +42,18 @@ struct Continued {
 class RunFiles {
 public:
   RunFiles(MPI_Comm comm, const SceneOptions& options, double begin);
-  /// The scene stands: counts it, reports its cracks, opens the file of fields.
+  /// The scene stands: counts it, reports its cracks.
   void built(const Standing& scene);
-  void started(); ///< set-up is over, solving begins
-  void open_history(const std::vector<io::Column>& columns);
+  void expect_history(std::vector<io::Column> columns) { columns_ = std::move(columns); }
+  /// Set-up is over and nothing was refused: files of an earlier run go, those of this one are opened.
+  void started();
   void write_fields(double time, Vec u, const std::vector<double>& relative_percent = {});
   void write_summary(const char* status);
   void fail(const std::string& why);
+  /// The machine failed this rank, and perhaps the others: says so, and leaves a summary where it can. Not collective.
+  void lost(const std::string& why) noexcept;
+  /// Writes what a run that failed still has. Where that fails too it is a warning: the first cause counts.
+  void after_failure(const std::function<void()>& write) const;
   void warn(const std::string& what) const; ///< a line on standard error, even when quiet
   /// Columns of the reactions of held parts, one for each direction; the same for energies of a crack.
   void add_reaction_columns(std::vector<io::Column>& columns) const;
@@ -57,7 +65,7 @@ public:
   MPI_Comm comm() const { return comm_; }
   const SceneOptions& options;
   Standing scene;
-  Continued continued;              ///< to be set before `built`
+  Continued continued;              ///< to be set before `started`
   std::span<const double> velocity; ///< of owned components, in time; for fields [m/s]
   io::Progress progress;
   io::Summary summary;
@@ -66,8 +74,13 @@ public:
 
 private:
   void report_cracks();
+  void make_room();
+  std::filesystem::path summary_path() const;
 
   MPI_Comm comm_;
   double begin_;
+  std::unique_ptr<io::RunLock> lock_; // of the directory
+  std::vector<io::Column> columns_;   // of history.csv; none: not asked for
+  bool room_made_ = false;
 };
 } // namespace pdx::app

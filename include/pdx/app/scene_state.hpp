@@ -1,7 +1,7 @@
 #pragma once
 #include "pdx/app/crack_watch.hpp"
-#include "pdx/io/hdf5_reader.hpp"
 #include "pdx/io/natural_order.hpp"
+#include "pdx/io/sealed_reader.hpp"
 #include "pdx/solve/time_driver.hpp"
 
 namespace pdx::app {
@@ -17,10 +17,10 @@ public:
   /// Adds the tables to a file. Collective.
   void write(io::Hdf5File& file, const solve::TimeDriver& driver) const;
   /// Breaks the bonds that are broken there and gives the state to the driver. Collective.
-  void read(const io::Hdf5Reader& file, const solve::TimeDriver::Clock& clock, solve::TimeDriver& driver) const;
+  void read(const io::SealedReader& file, const solve::TimeDriver::Clock& clock, solve::TimeDriver& driver) const;
   /// What was seen of the cracks, likewise. Collective.
   void write_cracks(io::Hdf5File& file, const CrackNotes& notes) const;
-  std::optional<CrackNotes> read_cracks(const io::Hdf5Reader& file) const; ///< none if there is nothing
+  std::optional<CrackNotes> read_cracks(const io::SealedReader& file) const; ///< none if there is nothing
 
 private:
   void number_rows();
@@ -28,8 +28,9 @@ private:
   bool is_watched(std::size_t k) const;
   void describe(const SceneOptions& options);
   PetscInt particle_number(Index patch, Index site) const;
-  std::vector<double> read_rows(const io::Hdf5Reader& file, const std::string& name) const;
-  void read_bonds(const io::Hdf5Reader& file) const;
+  std::vector<double> read_rows(const io::SealedReader& file, const std::string& name) const;
+  void read_bonds(const io::SealedReader& file) const;
+  std::string fault_of_arrival(std::span<const double> row, const post::CrackTracker::State& before) const;
 
   template <class Visit> void with_bonds(Visit&& visit) const;
   int words_per_particle() const; ///< of their bonds

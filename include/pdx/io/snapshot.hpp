@@ -14,7 +14,7 @@ namespace pdx::io {
 /// attribute "unit". Blocks without points on any rank are left out.
 class FieldsFile {
 public:
-  /// Creates the directory and the file. Throws UserError on every rank if it cannot. Collective.
+  /// Creates the directory and the file. Throws UserError or MachineFailure on every rank if it cannot. Collective.
   FieldsFile(MPI_Comm comm, const std::filesystem::path& directory) : FieldsFile(comm, directory, 0) {}
   /// Goes on behind the first `steps` steps of the pair that is there; what follows them is dropped. Where that is not
   /// possible (a run killed while it wrote), the old file is put aside as fields_before.h5 and `fresh` is true: its
@@ -23,10 +23,13 @@ public:
   bool fresh() const { return fresh_; }
 
   /// Adds one step. Blocks and fields have the same names and order on every rank; ranks may own no points.
-  /// Throws std::logic_error on every rank if a size does not fit its block. Collective.
+  /// Throws std::logic_error on every rank if a size does not fit its block, MachineFailure if the disk refuses: the
+  /// steps before are whole then. Collective.
   /// @param time time [s], or the load factor [-] of a static run
   void write(double time, std::span<const field::OutputBlock> blocks);
   int steps() const { return steps_; } ///< steps written so far
+  /// The end; all is on the disk itself then. Throws MachineFailure on every rank if the disk refuses. Collective.
+  void close() { file_.close(); }
 
 private:
   MPI_Comm comm_;

@@ -1,4 +1,6 @@
 #pragma once
+#include "pdx/io/agree.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -47,7 +49,9 @@ double peak_memory_mb(MPI_Comm comm);
 /// The summary as JSON, with version, PETSc version, ranks and peak memory added. Numbers that are not finite
 /// become null. Collective.
 nlohmann::ordered_json summary_json(MPI_Comm comm, const Summary& summary);
-/// Writes or replaces the file in one stroke; rank 0's summary counts. Throws SolverFailure on every rank if it
+/// Writes or replaces the file in one stroke; rank 0's summary counts. Throws MachineFailure on every rank if it
 /// cannot. Collective.
 void write_summary(MPI_Comm comm, const std::filesystem::path& path, const Summary& summary);
+/// The same by this process alone, of its own memory, for when others may not answer.
+Fault write_summary_alone(MPI_Comm comm, const std::filesystem::path& path, const Summary& summary);
 } // namespace pdx::io

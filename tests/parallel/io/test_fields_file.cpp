@@ -2,6 +2,7 @@
 
 #include "pdx/base/error.hpp"
 #include "pdx/base/events.hpp"
+#include "pdx/base/machine_failure.hpp"
 #include "support/scratch_directory.hpp"
 
 #include <algorithm>
@@ -300,5 +301,25 @@ TEST(Hdf5File, WritingTheSameDatasetTwiceFailsOnEveryRank)
   pdx::io::Hdf5File file(PETSC_COMM_WORLD, scratch.path() / "a.h5");
   const std::vector<double> slab(2, world.rank);
   file.dataset("/group/a", std::span<const double>(slab), 1);
-  EXPECT_THROW(file.dataset("/group/a", std::span<const double>(slab), 1), pdx::SolverFailure);
+  EXPECT_THROW(file.dataset("/group/a", std::span<const double>(slab), 1), pdx::MachineFailure);
+}
+
+TEST(Hdf5File, AFullDiskIsTheMachinesFaultOnEveryRank)
+{
+  const World world;
+  const pdx::test::ScratchDirectory scratch(PETSC_COMM_WORLD);
+  const std::filesystem::path path = scratch.path() / "fields.h5";
+  if (world.rank == 0) std::filesystem::create_symlink("/dev/full", path);
+  for (const auto mode : {pdx::io::Hdf5File::Mode::create, pdx::io::Hdf5File::Mode::sealed}) {
+    pdx::io::Hdf5File file(PETSC_COMM_WORLD, path, mode);
+    const std::vector<double> slab(2, world.rank);
+    try {
+      file.dataset("/a", std::span<const double>(slab), 1);
+      file.flush();
+      file.close();
+      FAIL() << "no exception";
+    } catch (const pdx::MachineFailure& error) {
+      EXPECT_EQ(error.what(), "cannot write '" + path.string() + "': No space left on device");
+    }
+  }
 }

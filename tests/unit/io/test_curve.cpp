@@ -1,12 +1,14 @@
 #include "pdx/io/curve.hpp"
 
 #include "pdx/base/error.hpp"
+#include "pdx/base/machine_failure.hpp"
 #include "support/scratch_directory.hpp"
 
 #include <array>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <petscsys.h>
+#include <stdexcept>
 
 namespace {
 using pdx::io::Curve;
@@ -45,7 +47,7 @@ TEST(Curve, RefusesARowOfTheWrongLength)
   const pdx::test::ScratchDirectory scratch(PETSC_COMM_WORLD);
   Curve curve(PETSC_COMM_WORLD, scratch.path() / "history.csv", {{"load", "-"}});
   const std::array<double, 2> values{1.0, 2.0};
-  EXPECT_THROW(curve.row(values), pdx::SolverFailure);
+  EXPECT_THROW(curve.row(values), std::logic_error);
 }
 
 TEST(Curve, UnwritablePathIsAUserErrorThatNamesIt)
@@ -55,5 +57,21 @@ TEST(Curve, UnwritablePathIsAUserErrorThatNamesIt)
     FAIL() << "no exception";
   } catch (const pdx::UserError& error) {
     EXPECT_STREQ(error.what(), "cannot create '/dev/null/history.csv': Not a directory");
+  }
+}
+
+TEST(Curve, AFileThatWasTakenAwayIsTheMachinesFault)
+{
+  const pdx::test::ScratchDirectory scratch(PETSC_COMM_WORLD);
+  const auto path = scratch.path() / "history.csv";
+  Curve curve(PETSC_COMM_WORLD, path, {{"load", "-"}});
+  const std::array<double, 1> values{1.0};
+  curve.row(values);
+  std::filesystem::remove(path);
+  try {
+    curve.row(values);
+    FAIL() << "no exception";
+  } catch (const pdx::MachineFailure& error) {
+    EXPECT_EQ(error.what(), "cannot write '" + path.string() + "': No such file or directory");
   }
 }

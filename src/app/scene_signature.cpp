@@ -1,0 +1,90 @@
+#include "pdx/app/scene_signature.hpp"
+
+#include "pdx/base/options.hpp"
+#include "pdx/io/disk_file.hpp"
+#include "pdx/io/seal.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <fcntl.h>
+#include <fmt/format.h>
+
+namespace pdx::app {
+namespace {
+constexpr std::size_t kBlock = std::size_t{1} << 24; // [B]
+
+/// Beginnings of names that may change, and why.
+constexpr std::string_view kMayChange[] = {
+    "-output_",     "-quiet",    "-case",      "-checkpoint_", "-restart", // what is written
+    "-ts_",         "-analysis", "-load_",     // when it ends; the length of steps is compared apart
+    "-bc_",                                    // loads; what is held is compared as a state
+    "-pd_operator",                            // how it is solved
+    "-crack_",      "-pd_cloud", "-mesh_file", // compared by what they say
+    "-post_"};
+constexpr std::string_view kMayNotChange[] = {"-post_tip_damage"}; // of these: tips so far were found by it
+
+bool belongs(const std::string& name)
+{
+  const auto begins = [&](std::string_view beginning) { return name.starts_with(beginning); };
+  return std::ranges::any_of(kMayNotChange, begins) || std::ranges::none_of(kMayChange, begins);
+}
+
+/// "1e9, 2" and "1000000000,2.0" alike.
+std::string plain(std::string_view text)
+{
+  std::string all;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    std::string_view word = text.substr(from, comma - from);
+    while (!word.empty() && (word.front() == ' ' || word.front() == '+')) word.remove_prefix(1);
+    while (!word.empty() && word.back() == ' ') word.remove_suffix(1);
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    const bool is_number = error == std::errc() && end == word.data() + word.size();
+    all += (all.empty() ? "" : ",") + (is_number ? fmt::format("{}", value) : std::string(word));
+    from = comma + 1;
+  }
+  return all;
+}
+
+std::string value_of(Options& options, const OptionDoc& doc)
+{
+  if (!options.given(doc.name)) return plain(doc.default_value);
+  if (doc.allowed == "true, false") return options.boolean(doc.name, false, "") ? "true" : "false";
+  return plain(options.text(doc.name, "", ""));
+}
+
+/// Of all bytes of a file, 0 for one that cannot be read.
+std::uint64_t hash_of_file(const std::string& path)
+{
+  io::DiskFile file;
+  if (path.empty() || file.open(path, O_RDONLY) || !file.is_regular()) return 0;
+  std::vector<std::byte> block;
+  std::uint64_t hash = 0;
+  for (std::uint64_t at = 0, size = file.size(); at < size; at += block.size()) {
+    block.resize(std::min<std::uint64_t>(kBlock, size - at));
+    if (file.read(block, at)) return 0;
+    const std::uint64_t so_far[] = {hash, io::hash_of(block)};
+    hash = io::hash_of(std::as_bytes(std::span(so_far)));
+  }
+  return hash;
+}
+} // namespace
+
+std::string scene_signature(MPI_Comm comm)
+{
+  Options options("signature");
+  std::string text;
+  const std::vector<OptionDoc> docs = documented_options(); // a copy: reading adds to them
+  for (const OptionDoc& doc : docs)
+    if (belongs(doc.name)) text += fmt::format("{} = {}\n", doc.name, value_of(options, doc));
+  if (options.given("-mesh_file")) {
+    int rank = 0;
+    MPI_Comm_rank(comm, &rank);
+    std::uint64_t hash = rank ? 0 : hash_of_file(options.text("-mesh_file", "", ""));
+    MPI_Bcast(&hash, 1, MPI_UINT64_T, 0, comm);
+    text += fmt::format("mesh file = {:016x}\n", hash);
+  }
+  return text;
+}
+} // namespace pdx::app

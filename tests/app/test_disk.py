@@ -1,0 +1,198 @@
+"""What a run does when the machine fails it: status 3 within seconds, one line that names the file and the cause, the
+same on one rank and on two; what was there before stays."""
+
+import json
+import os
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import time
+
+import program
+from test_restart import TORN
+
+LIMIT = 5.0  # [s] from the failure to the end
+# Every kind of file in the first steps.
+ALL_FILES = TORN | {
+    "-ts_max_steps": "60",
+    "-output_fields": "",
+    "-output_interval": "20",
+    "-output_history_interval": "1",
+    "-checkpoint_interval": "10",
+}
+# Sizes at which another file, or another part of it, is the first that has no room. [kB]
+SIZES = (12, 40, 100, 200, 400, 600, 800, 1200, 1600, 2000)
+TARGETS = ("history.csv", "fields.h5", "fields.xdmf.part", "checkpoint.h5.part", "summary.json.part")
+
+
+class Disk(program.ProgramTest):
+    def mount(self, name, kilobytes):
+        """A small disk of its own, or None where that is not allowed."""
+        directory = self.scratch / name
+        directory.mkdir()
+        command = ["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(directory)]
+        if subprocess.run(command, capture_output=True, check=False).returncode != 0:
+            return None
+        self.addCleanup(subprocess.run, ["umount", "-l", str(directory)], check=False)
+        return directory
+
+    def timed(self, options, ranks, directory):
+        begin = time.monotonic()
+        run = self.launch(options, ranks, directory=directory)
+        return run, time.monotonic() - begin
+
+    def assert_machine_failed(self, run, cause, directory):
+        self.assertEqual(run.status, 3, run.err)
+        self.assertEqual(run.err.count("\n"), 1, run.err)
+        self.assertTrue(run.err.startswith("error: "), run.err)
+        self.assertIn(str(directory), run.err)
+        self.assertIn(cause, run.err)
+        self.assertLess(len(run.err), 400)
+        if not directory.exists():
+            return
+        left = {path.name for path in directory.iterdir()}
+        self.assertFalse({name for name in left if name.endswith(".part")}, left)
+        self.assertNotIn("run.lock", left)
+        if "summary.json" in left:
+            summary = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
+            self.assertEqual(summary["status"], "failed")
+            self.assertIn(summary["message"], run.err)
+
+    def test_a_full_disk_at_any_moment(self):
+        whole, seconds = self.timed(ALL_FILES, 1, self.scratch / "whole")
+        self.assertEqual(whole.status, 0, whole.err)
+        failed = 0
+        for ranks in (1, 2):
+            for size in SIZES:
+                with self.subTest(size=size, ranks=ranks):
+                    disk = self.mount(f"disk_{size}_{ranks}", size)
+                    if disk is None:
+                        self.skipTest("no mount here: the test with /dev/full takes its place")
+                    run, took = self.timed(ALL_FILES, ranks, disk / "o")
+                    if run.status == 0:  # there was room
+                        continue
+                    failed += 1
+                    self.assert_machine_failed(run, "No space left on device", disk / "o")
+                    self.assertLess(took, seconds * 4 + LIMIT)
+        self.assertGreaterEqual(failed, 16)
+
+    def test_a_file_that_cannot_be_written(self):
+        for ranks in (1, 2):
+            for name in TARGETS:
+                with self.subTest(name, ranks=ranks):
+                    directory = self.scratch / f"full_{ranks}_{name}"
+                    directory.mkdir()
+                    (directory / name).symlink_to("/dev/full")
+                    run, took = self.timed(ALL_FILES, ranks, directory)
+                    self.assert_machine_failed(run, "No space left on device", directory)
+                    self.assertIn(name.removesuffix(".part"), run.err)
+                    self.assertLess(took, 30)
+
+    def test_the_old_checkpoint_stays(self):
+        first = {"-ts_max_steps": "20", "-output_history": None, "-checkpoint_interval": "20"}
+        directory = self.scratch / "run"
+        self.solve(TORN | first, directory=directory)
+        before = (directory / "checkpoint.h5").read_bytes()
+        (directory / "checkpoint.h5.part").symlink_to("/dev/full")
+        again = {"-restart": str(directory / "checkpoint.h5"), "-ts_max_steps": "60", "-checkpoint_interval": "20"}
+        for ranks in (1, 2):
+            (directory / "checkpoint.h5.part").unlink(missing_ok=True)
+            (directory / "checkpoint.h5.part").symlink_to("/dev/full")
+            run = self.launch(TORN | first | again, ranks, directory=directory)
+            self.assert_machine_failed(run, "No space left on device", directory)
+            self.assertEqual((directory / "checkpoint.h5").read_bytes(), before)
+        self.solve(TORN | first | again, directory=directory)
+
+    def test_a_file_limit_of_the_system(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (8 << 20, 8 << 20))
+
+        directory = self.scratch / "limited"
+        options = ALL_FILES | {"-output_interval": "1"}
+        command = [program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=program.ROOT, preexec_fn=limit, check=False)
+        self.assert_machine_failed(program.Run(done.returncode, done.stdout, done.stderr, directory), "File too large", directory)
+
+    def start(self, options, directory, ranks=1):
+        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+        command = [*launcher, program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)]
+        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=program.ROOT)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        for _ in range(2000):
+            path = directory / "history.csv"
+            if process.poll() is not None or (path.exists() and path.read_bytes().count(b"\n") > 3):
+                return process
+            time.sleep(0.01)
+        self.fail("the run did not begin")
+
+    def test_a_directory_that_disappears(self):
+        long = TORN | {"-ts_max_steps": "100000", "-output_history_interval": "1"}
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                directory = self.scratch / f"gone_{ranks}"
+                process = self.start(long, directory, ranks)
+                shutil.rmtree(directory)
+                begin = time.monotonic()
+                out, err = process.communicate(timeout=60)
+                self.assertLess(time.monotonic() - begin, LIMIT)
+                self.assert_machine_failed(program.Run(process.returncode, out, err, directory), "No such file or directory", directory)
+
+    def test_a_disk_that_is_read_only(self):
+        disk = self.mount("read_only", 400)
+        if disk is None:
+            self.skipTest("no mount here")
+        subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)
+        for ranks in (1, 2):
+            run = self.launch(TORN, ranks, directory=disk / "o")
+            self.assert_machine_failed(run, "Read-only file system", disk / "o")
+
+    def test_memory_that_runs_out(self):
+        shell = ("bash", "-c", 'ulimit -v "$0"; exec "$@"')
+        big = TORN | {"-pd_spacing": "6.25e-5", "-output_history": None}  # 819,200 particles
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                run = self.launch(big, ranks, before=(*shell, "500000"))
+                self.assertEqual(run.status, 3, run.err)
+                self.assertIn("memory ran out on ", run.err)
+                self.assertIn("the limit of its address space (ulimit -v) is 512 MB", run.err)
+                self.assertEqual(run.err.count("\n"), 1, run.err)
+
+    def test_one_directory_belongs_to_one_run(self):
+        directory = self.scratch / "shared"
+        process = self.start(TORN | {"-ts_max_steps": "100000", "-output_history_interval": "1"}, directory)
+        for ranks in (1, 2):
+            second = self.launch(TORN, ranks, directory=directory)
+            self.assertEqual(second.status, 1)
+            self.assertIn(f"the directory '{directory}' is in use: process {process.pid} on ", second.err)
+            self.assertEqual(second.err.count("\n"), 1, second.err)
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 0)
+        self.assertNotIn("run.lock", os.listdir(directory))
+
+    def test_a_killed_run_leaves_a_lock_that_is_taken_over(self):
+        directory = self.scratch / "killed"
+        process = self.start(TORN | {"-ts_max_steps": "100000", "-output_history_interval": "1"}, directory)
+        process.kill()
+        process.communicate()
+        self.assertIn("run.lock", os.listdir(directory))
+        run = self.solve(TORN | {"-ts_max_steps": "20"}, directory=directory)
+        self.assertEqual(run.files, ["crack_path.csv", "history.csv", "summary.json"])
+
+    def test_files_of_an_earlier_run_are_not_left_beside_new_ones(self):
+        directory = self.scratch / "twice"
+        self.solve(ALL_FILES, directory=directory)
+        mine = pathlib.Path(directory, "notes.txt")
+        mine.write_text("mine", encoding="utf-8")
+        bad = self.launch(ALL_FILES | {"-bc_top_on": "nowhere"}, directory=directory)
+        self.assertEqual(bad.status, 1)
+        self.assertIn("fields.h5", bad.files)  # nothing is lost by a mistake
+        self.assertIn("checkpoint.h5", bad.files)
+        run = self.solve(TORN | {"-output_history": None, "-ts_max_steps": "20"}, directory=directory)
+        self.assertEqual(run.files, ["checkpoint_before.h5", "crack_path.csv", "notes.txt", "summary.json"])
+
+
+if __name__ == "__main__":
+    program.main()
