@@ -1,8 +1,8 @@
 #include "pdx/app/scene_signature.hpp"
 
+#include "pdx/base/fingerprint.hpp"
 #include "pdx/base/options.hpp"
 #include "pdx/io/disk_file.hpp"
-#include "pdx/io/seal.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -64,8 +64,7 @@ std::uint64_t hash_of_file(const std::string& path)
   for (std::uint64_t at = 0, size = file.size(); at < size; at += block.size()) {
     block.resize(std::min<std::uint64_t>(kBlock, size - at));
     if (file.read(block, at)) return 0;
-    const std::uint64_t so_far[] = {hash, io::hash_of(block)};
-    hash = io::hash_of(std::as_bytes(std::span(so_far)));
+    hash = hash_of(block, hash);
   }
   return hash;
 }

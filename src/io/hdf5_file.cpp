@@ -1,6 +1,7 @@
 #include "pdx/io/hdf5_file.hpp"
 
 #include "pdx/base/error.hpp"
+#include "pdx/base/fingerprint.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/base/hdf5_id.hpp"
 #include "pdx/base/machine_failure.hpp"

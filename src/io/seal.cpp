@@ -1,10 +1,11 @@
 #include "pdx/io/seal.hpp"
 
+#include "pdx/base/fingerprint.hpp"
+
 #include <algorithm>
 #include <charconv>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <xxhash.h>
 
 namespace pdx::io {
 namespace {
@@ -38,8 +39,6 @@ bool lies_in(const Seal::Table& table, std::uint64_t end)
   return table.bytes() == 0 || (table.at >= Seal::kHeadBytes && table.at <= end && table.bytes() <= end - table.at);
 }
 } // namespace
-
-std::uint64_t hash_of(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
 std::uint64_t Seal::Table::bytes() const
 {

@@ -1,6 +1,7 @@
 #include "pdx/io/sealed_reader.hpp"
 
 #include "pdx/base/error.hpp"
+#include "pdx/base/fingerprint.hpp"
 #include "pdx/io/agree.hpp"
 
 #include <algorithm>

@@ -8,9 +8,6 @@
 #include <vector>
 
 namespace pdx::io {
-/// XXH3 of some bytes.
-std::uint64_t hash_of(std::span<const std::byte> bytes);
-
 /// What a sealed file holds, where, and the hash of every byte of it. A sealed file is an HDF5 file behind a head of
 /// kHeadBytes; its last bytes are the text of this. Whoever checks it first need not trust HDF5 with a damaged file.
 struct Seal {
