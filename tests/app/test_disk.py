@@ -137,7 +137,7 @@ class Disk(program.ProgramTest):
                 begin = time.monotonic()
                 out, err = process.communicate(timeout=60)
                 self.assertLess(time.monotonic() - begin, LIMIT)
-                self.assert_machine_failed(program.Run(process.returncode, out, err, directory), "No such file or directory", directory)
+                self.assert_machine_failed(program.Run(process.returncode, out, program.without_launcher(err), directory), "No such file or directory", directory)
 
     def test_a_disk_that_is_read_only(self):
         disk = self.mount("read_only", 400)
