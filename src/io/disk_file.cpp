@@ -68,6 +68,11 @@ int DiskFile::extend(std::uint64_t to)
   return size() >= to || ftruncate(file_, static_cast<off_t>(to)) == 0 ? 0 : errno;
 }
 
+int DiskFile::cut(std::uint64_t to)
+{
+  return size() <= to || ftruncate(file_, static_cast<off_t>(to)) == 0 ? 0 : errno;
+}
+
 int DiskFile::sync() { return fsync(file_) == 0 || cannot_sync(errno) ? 0 : errno; }
 
 int DiskFile::close()

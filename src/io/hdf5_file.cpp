@@ -91,7 +91,15 @@ void Hdf5File::note_hdf5(bool ok, const std::string& what)
   if (!ok && !fault_) fault_ = {"cannot write " + what + " to '" + path_.string() + "': " + hdf5_reason(), true};
 }
 
-void Hdf5File::settle_all() { settle(comm_, std::exchange(fault_, {})); }
+void Hdf5File::settle_all()
+{
+  try {
+    settle(comm_, std::exchange(fault_, {}));
+  } catch (const MachineFailure&) { // what was begun goes: it leaves room for the last words
+    if (rank_ == 0 && !sealed_) (void)disk_.cut(journal_->whole_end());
+    throw;
+  }
+}
 
 void Hdf5File::group(const std::string& path)
 {

@@ -2,6 +2,7 @@
 
 #include "pdx/base/events.hpp"
 #include "pdx/base/hdf5_id.hpp"
+#include "pdx/base/trial.hpp"
 #include "pdx/io/agree.hpp"
 #include "pdx/io/xdmf.hpp"
 
@@ -17,6 +18,7 @@ namespace pdx::io {
 namespace {
 constexpr const char* kDataFile = "fields.h5";
 constexpr const char* kXdmfFile = "fields.xdmf";
+constexpr unsigned kMostSeconds = 60; // that HDF5 may take to find its way in a file, which may be damaged
 
 std::size_t cell_count(const field::OutputBlock& block)
 {
@@ -114,14 +116,14 @@ bool keep_first(hid_t file, int steps)
   return ok && H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0;
 }
 
-bool shorten(const std::filesystem::path& path, int steps)
+bool shorten(const std::filesystem::path& path, int steps, bool in_earnest)
 {
   DiskFile disk;
   if (disk.open(path, O_RDWR)) return false;
   Hdf5Journal journal(disk);
   const Hdf5Id access(journal.access(), H5Pclose);
   const Hdf5Id file(H5Fopen(path.c_str(), H5F_ACC_RDWR, access), H5Fclose);
-  return file.valid() && keep_first(file, steps) && journal.put_on(disk) == 0;
+  return file.valid() && keep_first(file, steps) && (!in_earnest || journal.put_on(disk) == 0);
 }
 
 /// Cuts the file down to its first steps, or puts it aside; true if there is something to go on with. Collective.
@@ -132,7 +134,8 @@ bool keep_steps(MPI_Comm comm, const std::filesystem::path& directory, int steps
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   if (rank == 0 && steps > 0) {
     const std::filesystem::path path = directory / kDataFile;
-    kept = shorten(path, steps);
+    const bool sound = try_apart([&] { (void)shorten(path, steps, false); }, kMostSeconds).empty();
+    kept = sound && shorten(path, steps, true);
     std::error_code none;
     if (!kept) std::filesystem::rename(path, directory / "fields_before.h5", none);
   }

@@ -248,6 +248,17 @@ class Restart(program.ProgramTest):
                 self.assertIn(words, run.err)
                 self.assertEqual(run.err.count("\n"), 1, run.err)
 
+    def test_damaged_fields_are_put_aside(self):
+        options = TORN | {"-output_fields": "", "-output_interval": "10"}
+        directory = self.cut_in_two(options, 1, 20)
+        fields = directory / "fields.h5"
+        fields.write_bytes(b"\xff" * 200 + fields.read_bytes()[200:])
+        for ranks in (1, 2):
+            run = self.launch(options | {"-restart": str(directory / "checkpoint.h5"), "-ts_max_steps": "40"}, ranks, directory=directory)
+            self.assertEqual(run.status, 0, run.err)
+            if ranks == 1:
+                self.assertIn("put aside as fields_before.h5", run.err)
+
     def test_the_same_values_in_other_words_are_the_same_scene(self):
         directory = self.cut_in_two(TORN, 1, 20)
         restart = {"-restart": str(directory / "checkpoint.h5"), "-ts_max_steps": "40"}

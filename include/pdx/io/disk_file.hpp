@@ -19,6 +19,7 @@ public:
   int append(std::span<const std::byte> bytes);                 ///< at the end, all or nothing
   int read(std::span<std::byte> bytes, std::uint64_t at) const; ///< EIO where the file ends before
   int extend(std::uint64_t size);                               ///< to this size at least
+  int cut(std::uint64_t size);                                  ///< to this size at most
   int sync();                                                   ///< waits until all is on the disk itself
   int close();
   bool is_open() const { return file_ >= 0; }

@@ -21,8 +21,9 @@ public:
 
   /// File access by way of this journal; to be closed by H5Pclose. Below 0 if HDF5 cannot.
   hid_t access();
-  const Pieces& pieces() const { return pieces_; } ///< written and not yet on the disk
-  std::uint64_t end() const { return end_; }       ///< of all that HDF5 has given out
+  const Pieces& pieces() const { return pieces_; }     ///< written and not yet on the disk
+  std::uint64_t end() const { return end_; }           ///< of all that HDF5 has given out
+  std::uint64_t whole_end() const { return old_end_; } ///< of it when all pieces were on the disk
   /// Puts the pieces on the disk, those behind the old end first: where there is no room for them, what was there is
   /// still whole. 0 or the errno that stopped it.
   int put_on(DiskFile& disk);
