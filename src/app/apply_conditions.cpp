@@ -208,6 +208,5 @@ private:
 void apply_conditions(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
 {
   Conditions(mesh, options, plan, d).apply();
-  if (!options.time.dynamic()) require_support(d.system);
 }
 } // namespace pdx::app

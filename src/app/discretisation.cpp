@@ -1,8 +1,10 @@
 #include "pdx/app/discretisation.hpp"
 
 #include "pdx/app/apply_conditions.hpp"
+#include "pdx/app/support.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/couple/coarse_mesh.hpp"
+#include "pdx/couple/seams.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 
 #include <algorithm>
@@ -114,20 +116,40 @@ void add_fracture(const SceneOptions& options, const PatchPlan& plan, Discretisa
   d.system.after.push_back(std::move(fracture));
 }
 
+/// Meshes from a file may be parted where a patch lies.
+crack::CrackSet seams_of(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan)
+{
+  if (options.mesh.file.empty()) return {};
+  double reach = 0.0;
+  for (const auto& stencil : plan.stencils) reach = std::max(reach, static_cast<double>(stencil.reach));
+  try {
+    return couple::find_seams(mesh, plan.shapes, options.scheme == couple::Scheme::energy ? 0.0 : reach);
+  } catch (const UserError& wrong) {
+    throw UserError(fmt::format("-mesh_file {}: where the mesh is parted under a patch, bonds cannot follow ({}): move "
+                                "the patch, or mend the mesh",
+                                options.mesh.file, wrong.what()));
+  }
+}
+
 void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d,
                       bool assembled)
 {
   Index band = 0;
   for (const auto& stencil : plan.stencils) band = std::max(band, stencil.reach + pd::family_reach<2>(stencil));
-  d.around = couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows, d.sets.get());
+  d.seams = seams_of(mesh, options, plan);
+  d.around = couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows, d.sets.get(),
+                                          d.seams.empty() ? nullptr : &d.seams);
   refuse_coarse_patches(options, d);
   auto parts = make_parts(options, plan, d);
   const bool corrected = std::any_of(parts.begin(), parts.end(), [](const auto& part) { return part->corrected(); });
   const bool volume = options.pd.surface_correction == SurfaceCorrection::volume;
   const bool automatic = options.pd.surface_correction == SurfaceCorrection::automatic;
   if (d.elements || d.cut_elements) {
-    const couple::CouplingOptions coupling{options.scheme, options.bond_kinematics(),
-                                           volume || (automatic && corrected), d.cracks.empty() ? nullptr : &d.cracks,
+    const couple::CouplingOptions coupling{options.scheme,
+                                           options.bond_kinematics(),
+                                           volume || (automatic && corrected),
+                                           d.cracks.empty() ? nullptr : &d.cracks,
+                                           d.seams.empty() ? nullptr : &d.seams,
                                            options.fracture.no_fail};
     auto carried = couple::carry_bonds(d.system.rows, coupling, parts, d.around);
     d.carried = carried.get();
@@ -137,7 +159,8 @@ void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const
   auto bonds = std::make_unique<pd::BondTerm<2>>(std::move(parts), options.bond_kinematics(), assembled);
   d.bonds = bonds.get();
   d.system.terms.push_back(std::move(bonds));
-  if (!d.cracks.empty()) d.bonds->cut(d.cracks);
+  for (const crack::CrackSet* cracks : {&d.cracks, &d.seams})
+    if (!cracks->empty()) d.bonds->cut(*cracks);
 }
 
 void add_elements(const mesh::Mesh& mesh, const SceneOptions& options, Discretisation& d)
@@ -176,6 +199,11 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   d.node_field = std::make_unique<couple::NodeField>(mesh, d.node_rows, parts);
   system.bind(d.node_field->needed_rows());
   d.node_field->bind(*system.halo);
+  if (!options.time.dynamic()) {
+    const couple::JoinedModels models{mesh, d.node_rows, d.sets.get(), parts, d.carried};
+    d.loose_parts = std::make_unique<couple::LooseParts>(models, system);
+    require_support(*d.loose_parts);
+  }
   if (d.bonds) {
     add_fracture(options, plan, d);
     if (options.time.analysis == Analysis::explicit_dynamics && !d.breaker) d.bonds->step_explicitly({});
@@ -184,7 +212,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   if (assembled || !d.bonds || options.time.dynamic()) return result;
 
   couple::FineRows fine{d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
-  fine.breakable = d.fracture || !d.cracks.empty();
+  fine.breakable = d.fracture || !d.cracks.empty() || !d.seams.empty();
   system.coarse = std::make_unique<couple::CoarseMesh>(
       fem::ElasticBody{mesh, options.elastic, options.element_kinematics()}, *d.node_field, fine, system);
   return result;

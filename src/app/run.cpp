@@ -5,6 +5,7 @@
 #include "pdx/app/recorder.hpp"
 #include "pdx/app/run_in_time.hpp"
 #include "pdx/app/stop_signals.hpp"
+#include "pdx/app/support.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/memory.hpp"
 #include "pdx/solve/static_driver.hpp"
@@ -38,9 +39,13 @@ solve::StaticOptions steps_of(const SceneOptions& options, const Discretisation&
   steps.assembled = assembled;
   steps.max_passes = options.load.passes;
   steps.max_halvings = options.load.halvings;
-  if (d.fracture)
-    steps.max_changes =
-        std::max<std::int64_t>(1, std::llround(options.load.broken_share * static_cast<double>(d.bonds_at_start)));
+  if (!d.fracture) return steps;
+  steps.max_changes =
+      std::max<std::int64_t>(1, std::llround(options.load.broken_share * static_cast<double>(d.bonds_at_start)));
+  Index family = 0; // as many particles may come off together
+  for (const auto& part : d.bonds->parts())
+    family = std::max(family, static_cast<Index>(2 * part->stencil().half.size()));
+  steps.judge = [&parts = *d.loose_parts, family] { require_support_after_breaking(parts, family); };
   return steps;
 }
 
@@ -112,6 +117,11 @@ void run_static(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::v
   } catch (const SolverFailure&) {
     recorder.count(driver.report());
     files.after_failure([&] { recorder.stopped_at(u.get()); });
+    throw;
+  } catch (const UserError& loose) { // the steps that were accepted stay
+    recorder.count(driver.report());
+    files.after_failure([&] { recorder.stopped_at(u.get()); });
+    files.fail(loose.what());
     throw;
   }
   recorder.finish(driver.report());

@@ -3,6 +3,7 @@
 #include "pdx/base/events.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace pdx::couple {
@@ -282,6 +283,25 @@ template <int Dim> void CarriedBonds<Dim>::set_broken(std::span<const std::uint6
   ++revision_;
   for (std::size_t k = 0; k < bonds_.size(); ++k)
     gone_[k] = bonds_[k].cut || std::ranges::binary_search(keys, bonds_[k].key);
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_joints(std::vector<std::array<Index, 2>>& pairs) const
+{
+  constexpr double kNothing = 1e-9; // a weight
+  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+    if (gone_[number]) continue;
+    const CarriedBond<Dim>& bond = bonds_[number];
+    Index first = -1;
+    for (const Index point : {bond.a, bond.b, bond.force_a, bond.force_b}) {
+      const auto rows = points_.rows(point);
+      const auto weights = points_.tied_weights(point);
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        if (std::abs(weights[k]) < kNothing) continue;
+        if (first < 0) first = rows[k];
+        if (first != rows[k]) pairs.push_back({first, rows[k]});
+      }
+    }
+  }
 }
 
 template <int Dim> std::int64_t CarriedBonds<Dim>::bonds() const

@@ -193,8 +193,10 @@ private:
     const bool moved = draft.a.across || draft.b.across || draft.force_a.across || draft.force_b.across;
     // A bond that meets the border where a crack enters moves there with its own side, from whichever side it comes.
     const auto touch = [&acts](const Host& end) { return Vector<2>((end.sided ? kTouch : 0.0) * acts); };
-    draft.cut =
-        moved || (options_.cracks && options_.cracks->cuts(begin + touch(draft.a), begin + acts - touch(draft.b)));
+    const Vector<2> from = begin + touch(draft.a), to = begin + acts - touch(draft.b);
+    draft.cut = moved;
+    for (const crack::CrackSet* cracks : {options_.cracks, options_.seams})
+      draft.cut = draft.cut || (cracks && cracks->cuts(from, to));
     for (const geom::Box<2>& box : options_.no_fail)
       for (const Vector<2>& end : ends) draft.no_fail = draft.no_fail || box.contains(end);
   }

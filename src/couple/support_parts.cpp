@@ -1,8 +1,9 @@
 #include "pdx/couple/support_parts.hpp"
 
+#include "joined.hpp"
+
 #include <algorithm>
 #include <bit>
-#include <numeric>
 
 namespace pdx::couple {
 namespace {
@@ -16,26 +17,6 @@ Site<2> moved(Site<2> site, const Site<2>& step, Index times)
   site[1] += times * step[1];
   return site;
 }
-
-/// Sets of numbers that are joined one by one.
-class Joined {
-public:
-  explicit Joined(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-  std::size_t root(std::size_t k)
-  {
-    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
-    return k;
-  }
-  void join(std::size_t a, std::size_t b)
-  {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
-private:
-  std::vector<std::size_t> parent_;
-};
 } // namespace
 
 SupportParts::SupportParts(const field::Rows& rows, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,

@@ -63,8 +63,10 @@ bool Host::cross(PetscInt node, PetscInt set, double weight, double factor)
 struct Surroundings::Trace {
   const std::vector<Edge>& edges;
   const crack::CrackSet* cracks;
-  Vector<2> from; // [m]
-  double face;    // the side's coordinate [m]
+  const crack::CrackSet* seams;
+  Vector<2> from;     // [m]
+  double face;        // the side's coordinate [m]
+  Eigen::Index along; // axis of the side
 
   bool add(Host& host, const Edge& edge, std::size_t end, double weight) const
   {
@@ -86,12 +88,35 @@ struct Surroundings::Trace {
     return &*edge;
   }
 
+  Vector<2> point(double s) const
+  {
+    Vector<2> x;
+    x[along] = s;
+    x[1 - along] = face;
+    return x;
+  }
+  /// Edges that meet in a node, not in two of the same place.
+  static bool joined(const Edge& before, const Edge& after) { return before.rows[1] == after.rows[0]; }
+
+  /// Where the nodes are doubled at s, the edge on whose side of the seam `from` lies.
+  const Edge* edge_beside(double s, bool& parted) const
+  {
+    const Edge* edge = edge_at(s);
+    const double near = 1e-6 * (edge->end - edge->begin);
+    const Edge *before = edge, *after = edge;
+    if (s - edge->begin < near && edge != edges.data()) --before;
+    if (edge->end - s < near && edge + 1 != edges.data() + edges.size()) ++after;
+    parted = seams && before != after && !joined(*before, *after) && after->begin - before->end < near;
+    if (!parted) return edge;
+    return seams->cuts(from, point(0.5 * (after->begin + after->end))) ? before : after;
+  }
+
   /// The linear trace at s itself.
   Host at(double s) const
   {
-    const Edge* edge = edge_at(s);
-    const double t = std::clamp((s - edge->begin) / (edge->end - edge->begin), 0.0, 1.0);
     Host host;
+    const Edge* edge = edge_beside(s, host.sided);
+    const double t = std::clamp((s - edge->begin) / (edge->end - edge->begin), 0.0, 1.0);
     (void)add(host, *edge, 0, 1.0 - t);
     (void)add(host, *edge, 1, t);
     return host;
@@ -101,18 +126,21 @@ struct Surroundings::Trace {
   /// the trace itself where no node lies inside the cell, exact for linear displacement everywhere, and hands the
   /// forces of a uniform lattice to the nodes exactly as a uniform traction would, whatever the ratio of element to
   /// spacing: over one point per cell, means add up to the integral and slopes to the difference of the ends.
-  /// Nothing where the edges do not fill the cell, more than four nodes take part, or a part of it lies across a crack.
-  std::optional<Host> mean_over(const Interval& cell, double s, Eigen::Index along) const
+  /// Nothing where the edges do not fill the cell, more than four nodes take part, or a part of it lies across a crack
+  /// or seam.
+  std::optional<Host> mean_over(const Interval& cell, double s) const
   {
     const double dx = cell.end - cell.begin, offset = (s - 0.5 * (cell.begin + cell.end)) / dx;
     const double tiny = kOnSide * dx;
     Host host;
     double filled = 0.0;
+    bool parted = false;
     std::vector<std::pair<const Edge*, double>> parts; // with their middles
     const Edge* const last = edges.data() + edges.size();
     for (const Edge* edge = edge_at(cell.begin + tiny); edge != last && edge->begin < cell.end - tiny; ++edge) {
       const double begin = std::max(edge->begin, cell.begin), end = std::min(edge->end, cell.end);
       if (end - begin < tiny) continue;
+      if (!parts.empty() && !joined(*parts.back().first, *edge)) return std::nullopt;
       const auto t = [&](double place) { return (place - edge->begin) / (edge->end - edge->begin); };
       // Mean over the part in this edge, and rise over it; the rises of all parts add up to the slope times dx.
       const double share = (end - begin) / dx, middle = t(0.5 * (begin + end)), rise = t(end) - t(begin);
@@ -122,13 +150,14 @@ struct Surroundings::Trace {
       filled += share;
     }
     if (host.across || std::abs(filled - 1.0) > 1e-6) return std::nullopt;
+    const Edge* beside = edge_beside(s, parted);
+    if (parted && std::ranges::find(parts, beside, [](const auto& part) { return part.first; }) == parts.end())
+      return std::nullopt;
+    host.sided = host.sided || parted;
     for (const auto& [cut, ignored] : parts)
       for (const auto& [whole, place] : parts) {
         if (cut->crack < 0 || whole->crack == cut->crack) continue;
-        Vector<2> x;
-        x[along] = place;
-        x[1 - along] = face;
-        if (cracks->side(cut->crack, x) != cracks->side(cut->crack, from)) return std::nullopt;
+        if (cracks->side(cut->crack, point(place)) != cracks->side(cut->crack, from)) return std::nullopt;
       }
     return host;
   }
@@ -187,8 +216,8 @@ std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>&
     const double towards = inward[1 - d] > near ? near : inward[1 - d] < -near ? -near : 0.0;
     const auto cells = shape_.lattice.count[static_cast<std::size_t>(1 - d)];
     const double cell = std::clamp(std::floor((s + towards - start) / dx), 0.0, cells - 1.0);
-    const Trace trace{sides_[side], cracks_, x + inward, face};
-    const auto host = trace.mean_over({start + cell * dx, start + (cell + 1.0) * dx}, s, 1 - d);
+    const Trace trace{sides_[side], cracks_, seams_, x + inward, face, 1 - d};
+    const auto host = trace.mean_over({start + cell * dx, start + (cell + 1.0) * dx}, s);
     return host ? host : trace.at(s);
   }
   return std::nullopt;
@@ -308,11 +337,15 @@ void Surroundings::find_edges(const Scene& scene, std::span<const Surroundings> 
 }
 
 std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span<const PatchShape> patches, Index band,
-                                               std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets)
+                                               std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets,
+                                               const crack::CrackSet* seams)
 {
   std::vector<Surroundings> all;
   for (const PatchShape& shape : patches) all.push_back(Surroundings(shape, band));
-  for (Surroundings& around : all) around.cracks_ = sets ? &sets->cracks() : nullptr;
+  for (Surroundings& around : all) {
+    around.cracks_ = sets ? &sets->cracks() : nullptr;
+    around.seams_ = seams;
+  }
   std::vector<OutsideRecord> outside;
   std::vector<EdgeRecord> edges;
   const Scene scene{mesh, node_rows, sets};

@@ -313,6 +313,7 @@ std::string StaticDriver::equilibrium(Step& step, Vec u)
     for (const auto& after : system_.after) changes += after->apply(local_);
     report_.solve_changes.back() = changes;
     if (changes > 0) stale_ = true;
+    if (changes > 0 && options_.judge) options_.judge();
     if (options_.max_changes > 0 && step.changes + changes > options_.max_changes) {
       step.changes += changes;
       return fmt::format("more than {} changes in one increment; allow more changes or halvings", options_.max_changes);
@@ -339,7 +340,13 @@ void StaticDriver::run(Vec u, const Accepted& accepted)
     PDX_CALL(VecCopy(u, saved.get()));
     for (const auto& after : system_.after) after->save();
     Step step{report_.steps + 1, path.target()};
-    const std::string why = equilibrium(step, u);
+    std::string why;
+    try {
+      why = equilibrium(step, u);
+    } catch (const UserError&) {
+      restore(saved.get(), u, true);
+      throw;
+    }
     if (why.empty()) {
       path.advance();
       report_.steps = step.number;

@@ -2,6 +2,7 @@
 #include "pdx/app/model.hpp"
 #include "pdx/app/patches.hpp"
 #include "pdx/couple/fracture.hpp"
+#include "pdx/couple/loose_parts.hpp"
 #include "pdx/couple/node_field.hpp"
 #include "pdx/fem/elastic_term.hpp"
 #include "pdx/pd/bond_term.hpp"
@@ -13,14 +14,16 @@ struct Discretisation final : Model {
   std::vector<PetscInt> node_rows;          ///< global row of each local vertex, -1 under a patch
   std::vector<Index> nodes;                 ///< owned vertices with a row, in order of rows
   std::unique_ptr<xfem::EnrichedSets> sets; ///< null without cracks
+  crack::CrackSet seams;                    ///< where the mesh is parted under and beside patches
   std::vector<couple::Surroundings> around; ///< one per patch
   std::unique_ptr<couple::NodeField> node_field;
-  fem::ElasticTerm* elements = nullptr;       ///< borrowed from system.terms; null without elements
-  xfem::EnrichedTerm* cut_elements = nullptr; ///< null without cut elements
-  pd::BondTerm<2>* bonds = nullptr;           ///< null without patches
-  couple::CarriedBonds<2>* carried = nullptr; ///< null without an interface
-  couple::Fracture* fracture = nullptr;       ///< borrowed from system.after; null in time or if nothing can break
-  std::int64_t bonds_at_start = 0;            ///< of all ranks, after the cracks that were given
+  fem::ElasticTerm* elements = nullptr;            ///< borrowed from system.terms; null without elements
+  xfem::EnrichedTerm* cut_elements = nullptr;      ///< null without cut elements
+  pd::BondTerm<2>* bonds = nullptr;                ///< null without patches
+  couple::CarriedBonds<2>* carried = nullptr;      ///< null without an interface
+  std::unique_ptr<couple::LooseParts> loose_parts; ///< null in time, where nothing must be held
+  couple::Fracture* fracture = nullptr;            ///< borrowed from system.after; null in time or if nothing can break
+  std::int64_t bonds_at_start = 0;                 ///< of all ranks, after the cracks that were given
   post::Energies energies(std::span<const double> local) const override;
   Tiles tiles() const override { return bonds ? Tiles{bonds->tiles_computed(), bonds->tiles_skipped()} : Tiles{}; }
   /// Strain energy density per owned row, bonds that leave their patch included; 0 where no particle is [J/m^3].

@@ -72,6 +72,9 @@ public:
   /// Adds the volume at the outer ends to the particles' families, one entry per owned row.
   void add_bonded_volume(std::span<pd::BondedVolume> volumes) const;
 
+  /// Appends pairs of local rows that the intact bonds hold together, in tied displacements. After `bind`.
+  void add_joints(std::vector<std::array<Index, 2>>& pairs) const;
+
   std::size_t size() const { return bonds_.size(); }
   std::int64_t bonds() const; ///< intact ones that this rank counts; after `bind`
 

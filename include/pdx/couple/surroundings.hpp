@@ -19,7 +19,7 @@ struct Host {
   std::array<PetscInt, 8> rows{-1, -1, -1, -1, -1, -1, -1, -1}; ///< global rows
   std::array<double, 8> weights{};                              ///< those of nodes sum to 1
   int count = 0;
-  bool sided = false;  ///< a crack enters there: moves with the side from which it is seen
+  bool sided = false;  ///< a crack or seam enters there: moves with the side from which it is seen
   bool across = false; ///< moves, snapped, with the other side of a crack than it is on: bonds to it are cut
 
   /// Weights of the same rows where those of enriched sets hold the far half's w instead (`field::Tie`); sum to 1.
@@ -36,9 +36,11 @@ struct Host {
 class Surroundings {
 public:
   /// Surveys all patches at once. `band` = sites outside a patch that are looked at. Collective.
-  /// @param sets the mesh's enriched sets, numbered, or nullptr without cracks; must outlive the result
+  /// @param sets  the mesh's enriched sets, numbered, or nullptr without cracks; must outlive the result
+  /// @param seams where the mesh is parted, or nullptr; must outlive the result
   static std::vector<Surroundings> survey(const mesh::Mesh& mesh, std::span<const PatchShape> patches, Index band,
-                                          std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets);
+                                          std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets,
+                                          const crack::CrackSet* seams = nullptr);
 
   const PatchShape& shape() const { return shape_; }
   Index band() const { return band_; }
@@ -100,6 +102,6 @@ private:
   std::vector<Index> where_; // per site of lattice and band: entry of hosts_ + 1, 0 = nothing there
   std::vector<Host> hosts_;
   std::array<std::vector<Edge>, 4> sides_; // left, right, bottom, top; ascending
-  const crack::CrackSet* cracks_ = nullptr;
+  const crack::CrackSet *cracks_ = nullptr, *seams_ = nullptr;
 };
 } // namespace pdx::couple

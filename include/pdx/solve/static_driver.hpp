@@ -14,6 +14,8 @@ struct StaticOptions {
   std::int64_t max_changes = 0; ///< of an increment; more: it is halved; 0: no limit
   int max_halvings = 6;         ///< of an original increment, at most 30
   double rebuild_factor = 1.3;  ///< growth of iterations at which the preconditioner is built anew, see KeepRule
+  /// Asked after AfterSolves changed something, before the next solve: throws if the scene can no longer be solved.
+  std::function<void()> judge = {};
 };
 
 /// What a run cost.
@@ -51,8 +53,8 @@ public:
 
   /// Called after each accepted load with the displacement.
   using Accepted = std::function<void(const Step& step, Vec u)>;
-  /// Runs all loads from the state in u. Throws SolverFailure (which load, why, what to try); u and the AfterSolves are
-  /// then in the state accepted last. Collective.
+  /// Runs all loads from the state in u. Throws SolverFailure (which load, why, what to try) and what `judge` throws; u
+  /// and the AfterSolves are then in the state accepted last. Collective.
   void run(Vec u, const Accepted& accepted);
   const StaticReport& report() const { return report_; }
   SNES snes() const { return snes_.get(); }
