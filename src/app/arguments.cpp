@@ -1,81 +1,103 @@
 #include "pdx/app/arguments.hpp"
 
+#include "pdx/app/option_reader.hpp"
+#include "pdx/base/error.hpp"
+#include "pdx/base/petsc.hpp"
+#include "pdx/base/petsc_names.hpp"
+
+#include <algorithm>
+#include <cstdlib>
 #include <fmt/format.h>
-#include <fstream>
-#include <petscsys.h>
-#include <sstream>
-#include <string_view>
 
 namespace pdx::app {
 namespace {
-constexpr int kDeepest = 16; // files named in files; PETSc itself would follow a circle for ever
+constexpr int kMostOfPetsc = 400; // PETSc 3.18 has room for 512, some of which are set by us
 
-/// The file named by a line "-options_file FILE", "" for any other line.
-std::string nested_file(const std::string& line)
+std::string environment(const char* name)
 {
-  std::istringstream words(line);
-  std::string option, file;
-  words >> option >> file;
-  return option == "-options_file" ? file : "";
+  const char* text = std::getenv(name);
+  return text ? text : "";
 }
 
-/// The first thing in an options file, or in the files it names, that PETSc would not take; "" if none.
-std::string fault_of(const std::string& path, int depth = 0)
+bool skips_resource_files(std::span<const std::string> words)
 {
-  std::ifstream file(path);
-  if (!file.good() || file.peek() == std::ifstream::traits_type::eof())
-    return fmt::format("-options_file {}: cannot be read; check the path", path);
-  if (path.ends_with(".yaml") || path.ends_with(".yml")) return "";
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string::npos || line[begin] == '#') continue;
-    if (const std::string nested = nested_file(line.substr(begin)); !nested.empty()) {
-      if (depth == kDeepest)
-        return fmt::format("-options_file {}, line {}: more than {} files named in files, or a circle", path, number,
-                           kDeepest);
-      const std::string fault = fault_of(nested, depth + 1);
-      if (!fault.empty())
-        return fault.ends_with(')') ? fault : fmt::format("{} (named in {}, line {})", fault, path, number);
-    }
-    if (line[begin] == '-') continue;
-    return fmt::format("-options_file {}, line {}: \"{}\" is no option: lines are -name value, or # comment", path,
-                       number, line.substr(begin, 40));
+  const auto at = std::ranges::find(words, "-skip_petscrc");
+  if (at == words.end()) return false;
+  return at + 1 == words.end() || (at[1] != "false" && at[1] != "0" && at[1] != "no" && at[1] != "off");
+}
+
+/// All that the first rank reads, as fields that end with a NUL, which none of them holds: help, version, error, then
+/// name, value and place of each option.
+std::string read_all(int argc, char** argv)
+{
+  OptionReader reader;
+  std::string error, fields;
+  std::vector<GivenOption> options;
+  try {
+    const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    if (!skips_resource_files(words)) reader.read_resource_files(environment("HOME"));
+    if (!environment("PETSC_OPTIONS_YAML").empty())
+      throw UserError("PETSC_OPTIONS_YAML: YAML is not read: use PETSC_OPTIONS, or -options_file");
+    reader.read_environment("PETSC_OPTIONS", environment("PETSC_OPTIONS"));
+    reader.read_command_line(words);
+    options = reader.take();
+  } catch (const UserError& wrong) {
+    error = wrong.what();
   }
-  return "";
+  const auto add = [&](const std::string& field) { fields.append(field).push_back('\0'); };
+  add(reader.help ? "help" : "");
+  add(reader.version ? "version" : "");
+  add(error);
+  for (const GivenOption& option : options) add(option.name), add(option.value), add(option.place);
+  return fields;
 }
 } // namespace
 
-Arguments look_at_arguments(int& argc, char** argv)
+Arguments read_arguments(MPI_Comm comm, int argc, char** argv)
 {
-  Arguments found;
-  int kept = 1;
-  for (int k = 1; k < argc; ++k) {
-    const std::string_view argument = argv[k];
-    if (argument == "-help" || argument == "--help" || argument == "-h")
-      found.help = true;
-    else if (argument == "-version" || argument == "--version" || argument == "-v")
-      found.version = true;
-    else if (argument == "-options_file") {
-      const std::string fault = k + 1 < argc ? fault_of(argv[k + 1]) : "-options_file has no value: give a path";
-      if (fault.empty()) {
-        argv[kept++] = argv[k];
-        argv[kept++] = argv[k + 1];
-      } else if (found.error.empty())
-        found.error = fault;
-      ++k;
-    } else
-      argv[kept++] = argv[k];
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  std::string fields;
+  if (rank == 0) fields = read_all(argc, argv);
+  auto size = static_cast<int>(fields.size());
+  MPI_Bcast(&size, 1, MPI_INT, 0, comm);
+  fields.resize(static_cast<std::size_t>(size));
+  MPI_Bcast(fields.data(), size, MPI_CHAR, 0, comm);
+  for (const char* name : {"PETSC_OPTIONS", "PETSC_OPTIONS_YAML"}) unsetenv(name); // PETSc would read them again
+  std::size_t at = 0;
+  const auto next = [&] {
+    std::string field = fields.c_str() + at;
+    at += field.size() + 1;
+    return field;
+  };
+  Arguments arguments;
+  arguments.help = !next().empty();
+  arguments.version = !next().empty();
+  arguments.error = next();
+  while (at < fields.size()) {
+    GivenOption option{next(), "", ""};
+    option.value = next();
+    option.place = next();
+    give_option(std::move(option));
   }
-  argc = kept;
-  argv[argc] = nullptr;
-  return found;
+  return arguments;
 }
 
-void print_version()
+void hand_options_to_petsc()
+{
+  int count = 0;
+  for (const auto& [name, option] : given_options()) {
+    if (!is_petsc_name(name)) continue;
+    if (++count > kMostOfPetsc)
+      throw UserError(fmt::format("more than {} options of PETSc are given: it has no room for more", kMostOfPetsc));
+    PDX_CALL(PetscOptionsSetValue(nullptr, name.c_str(), option.value.empty() ? nullptr : option.value.c_str()));
+  }
+}
+
+std::string version_text()
 {
   char petsc[256] = "";
   (void)PetscGetVersion(petsc, sizeof petsc);
-  fmt::print("pdxsolve {} with {}\n", PDX_VERSION, petsc);
+  return fmt::format("pdxsolve {} with {}\n", PDX_VERSION, petsc);
 }
 } // namespace pdx::app

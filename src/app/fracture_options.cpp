@@ -1,12 +1,12 @@
 #include "pdx/app/fracture_options.hpp"
 
 #include "pdx/base/options.hpp"
+#include "pdx/base/shown.hpp"
+#include "pdx/base/text_file.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 namespace pdx::app {
 namespace {
@@ -25,21 +25,14 @@ crack::Polyline line_of(const std::string& where, const std::vector<double>& v)
 /// A crack a line: x0 y0 x1 y1 ..., commas or blanks between; # begins a comment.
 std::vector<crack::Polyline> read_file(const std::string& name)
 {
-  std::ifstream file(name);
-  if (!file) throw UserError(fmt::format("-crack_file is {}: cannot be read", name));
+  TextFile file("-crack_file", name);
   std::vector<crack::Polyline> lines;
-  std::string text;
-  for (int number = 1; std::getline(file, text); ++number) {
-    text.resize(std::min(text.size(), text.find('#')));
-    std::ranges::replace(text, ',', ' ');
-    std::istringstream words(text);
+  while (file.next()) {
     std::vector<double> values;
-    for (double value = 0.0; words >> value;) values.push_back(value);
-    const std::string where = fmt::format("-crack_file {}, line {}", name, number);
-    if (!words.eof()) throw UserError(where + ": something there is not a number");
-    if (!values.empty()) lines.push_back(line_of(where, values));
+    for (const std::string_view word : words_of(file.line())) values.push_back(file.real(word));
+    if (!values.empty()) lines.push_back(line_of(file.where(), values));
   }
-  if (lines.empty()) throw UserError(fmt::format("-crack_file is {}: has no crack", name));
+  if (lines.empty()) throw UserError(fmt::format("-crack_file is {}: has no crack", shown_path(name)));
   return lines;
 }
 

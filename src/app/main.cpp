@@ -1,28 +1,56 @@
 #include "pdx/app/arguments.hpp"
 #include "pdx/app/last_words.hpp"
 #include "pdx/app/run.hpp"
+#include "pdx/base/given_options.hpp"
 #include "pdx/base/memory.hpp"
 #include "pdx/base/petsc.hpp"
+#include "pdx/base/petsc_names.hpp"
+#include "pdx/base/shown.hpp"
+#include "pdx/base/stop_signals.hpp"
 
+#include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <new>
+#include <string>
 
 namespace {
 enum Exit { done = 0, user_error = 1, solver_failed = 2, machine_failed = 3 };
 
-int report(const char* what, Exit code)
+int report(const std::string& what, Exit code)
 {
   int rank = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  if (rank == 0) std::fprintf(stderr, "error: %s\n", what);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (rank == 0) std::fprintf(stderr, "error: %s\n", pdx::as_one_line(pdx::with_place(what)).c_str());
   return code;
 }
 
-int solve(double begin)
+/// Waits a moment for the others: a failure of PETSc meets either all ranks, which then end together, or one alone,
+/// for which nobody may wait.
+bool all_ranks_are_here()
+{
+  constexpr double kPatience = 3.0; // [s]
+  MPI_Request barrier = MPI_REQUEST_NULL;
+  int here = 0;
+  MPI_Ibarrier(MPI_COMM_WORLD, &barrier);
+  for (const double begin = MPI_Wtime(); !here && MPI_Wtime() - begin < kPatience;)
+    MPI_Test(&barrier, &here, MPI_STATUS_IGNORE);
+  return here != 0;
+}
+
+/// What may have met this rank alone: then the others, who wait for it, are ended.
+int report_alone(const std::string& what, Exit code)
+{
+  if (all_ranks_are_here()) return report(what, code);
+  std::fprintf(stderr, "error: %s\n", pdx::as_one_line(pdx::with_place(what)).c_str());
+  MPI_Abort(MPI_COMM_WORLD, code);
+  return code;
+}
+
+/// The exit status of `body`, whose failures are told.
+template <class Body> int reported(Body&& body)
 {
   try {
-    pdx::app::run(PETSC_COMM_WORLD, begin);
+    body();
     return done;
   } catch (const pdx::UserError& e) {
     return report(e.what(), user_error);
@@ -35,25 +63,56 @@ int solve(double begin)
   }
   return pdx::app::LastWords::end();
 }
+
+/// Why PETSc does not start or end, "" if it does: the value of one of its options as a rule.
+std::string start_petsc()
+{
+  static std::string program = "pdxsolve", skip = "-skip_petscrc"; // PETSc keeps the pointers
+  static std::array<char*, 3> words{program.data(), skip.data(), nullptr};
+  char** arguments = words.data();
+  int count = 2;
+  pdx::install_quiet_error_handler();
+  if (!PetscInitialize(&count, &arguments, nullptr, nullptr)) return "";
+  return pdx::take_petsc_message() + std::string(pdx::kPetscValue);
+}
+
+std::string end_petsc()
+{
+  (void)PetscOptionsSetValue(nullptr, "-options_left", "no");
+  return PetscFinalize() ? pdx::take_petsc_message() + std::string(pdx::kPetscValue) : "";
+}
+
+void tell(const pdx::app::Arguments& arguments)
+{
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  const std::string text = arguments.help ? pdx::app::help_text() : pdx::app::version_text();
+  if (rank == 0) std::fputs(text.c_str(), stdout);
+}
+
+int run_program(const pdx::app::Arguments& arguments)
+{
+  if (!arguments.error.empty()) return report(arguments.error, user_error);
+  if (const int code = reported(pdx::app::hand_options_to_petsc)) return code;
+  if (const std::string fault = start_petsc(); !fault.empty()) return report(fault, user_error);
+  const pdx::StopSignals signals; // again, for PETSc has handlers of its own
+  pdx::app::LastWords::prepare(PETSC_COMM_WORLD);
+  const double begin = MPI_Wtime();
+  const int code = reported([&] {
+    if (arguments.help || arguments.version) return tell(arguments);
+    pdx::app::run(PETSC_COMM_WORLD, begin);
+  });
+  const std::string late = end_petsc();
+  return late.empty() ? code : report_alone(late, code == done ? user_error : static_cast<Exit>(code));
+}
 } // namespace
 
 int main(int argc, char** argv)
 {
-  const pdx::app::Arguments arguments = pdx::app::look_at_arguments(argc, argv);
-  if (PetscInitialize(&argc, &argv, nullptr, nullptr)) return machine_failed;
-  const double begin = MPI_Wtime();
-  int code = done, rank = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  pdx::install_quiet_error_handler();
-  pdx::app::LastWords::prepare(PETSC_COMM_WORLD);
-  if (!arguments.error.empty())
-    code = report(arguments.error.c_str(), user_error);
-  else if (arguments.help || arguments.version) {
-    if (rank == 0) arguments.help ? pdx::app::print_help() : pdx::app::print_version();
-  } else
-    code = solve(begin);
-  (void)PetscOptionsSetValue(nullptr, "-options_left", "no");
-  (void)PetscPopErrorHandler();
-  (void)PetscFinalize();
+  const pdx::StopSignals signals;
+  int threads = 0;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &threads);
+  const int code = run_program(pdx::app::read_arguments(MPI_COMM_WORLD, argc, argv));
+  MPI_Finalize();
   return code;
 }

@@ -4,10 +4,12 @@
 #include "pdx/app/discretisation.hpp"
 #include "pdx/app/recorder.hpp"
 #include "pdx/app/run_in_time.hpp"
-#include "pdx/app/stop_signals.hpp"
 #include "pdx/app/support.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/memory.hpp"
+#include "pdx/base/options.hpp"
+#include "pdx/base/petsc_names.hpp"
+#include "pdx/base/stop_signals.hpp"
 #include "pdx/solve/static_driver.hpp"
 
 #include <algorithm>
@@ -69,7 +71,7 @@ std::vector<double> reference_displacement(mesh::Mesh& mesh, const SceneOptions&
   return d->vertex_displacement(u.get());
 }
 
-/// Names of PETSc options that nothing has used, a misspelt one perhaps; some are used only when PETSc ends.
+/// Names of PETSc options that nothing has used, a misspelt one perhaps.
 std::string unused_options()
 {
   PetscInt count = 0;
@@ -77,10 +79,8 @@ std::string unused_options()
   std::string list;
   PDX_CALL(PetscOptionsLeftGet(nullptr, &count, &names, &values));
   for (PetscInt k = 0; k < count; ++k) {
-    const std::string_view name = names[k];
-    const bool late = name.starts_with("malloc") || name.starts_with("log_") || name.starts_with("options_") ||
-                      name.starts_with("objects_") || name.starts_with("memory_");
-    if (!late) list += fmt::format("{}-{}", list.empty() ? "" : ", ", name);
+    const std::string name = std::string("-") + names[k];
+    if (is_petsc_family(name) && !is_documented(name)) list += (list.empty() ? "" : ", ") + name;
   }
   PDX_CALL(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
   return list;
@@ -108,6 +108,7 @@ void run_static(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::v
   const auto d = discretise(mesh, options, plan, std::move(particles), assembled);
   const std::vector<double> at_rest(2 * static_cast<std::size_t>(d->system.halo->size()), 0.0);
   require_contours({mesh, options, plan, *d, at_rest});
+  stop_if_told(files.comm());
   recorder.built({&mesh, &plan, d.get()});
   solve::StaticDriver driver(d->system, steps_of(options, *d, assembled));
   const VecHandle u = d->system.rows.vector();
@@ -123,6 +124,12 @@ void run_static(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::v
     files.after_failure([&] { recorder.stopped_at(u.get()); });
     files.fail(loose.what());
     throw;
+  } catch (const Stopped& stop) {
+    recorder.count(driver.report());
+    recorder.stopped_at(u.get());
+    const int steps = driver.report().steps;
+    throw Stopped(fmt::format("{} after {} load step{}: results are those of the last of them", stop.what(), steps,
+                              steps == 1 ? "" : "s"));
   }
   recorder.finish(driver.report());
 }
@@ -135,6 +142,7 @@ void run_plane(RunFiles& files)
   mesh::MeshOptions mesh_options = options.mesh;
   const PatchPlan plan = plan_patches(options, mesh_options);
   mesh::Mesh mesh = mesh::build(files.comm(), mesh_options, cell_cost(plan));
+  stop_if_told(files.comm());
   Prior prior;
   if (options.post.reference_fe) {
     cover_cells(mesh, plan, mesh_options); // refuses a wrong patch before the reference is paid for
@@ -147,6 +155,7 @@ void run_plane(RunFiles& files)
     cover_cells(mesh, plan, mesh_options);
     swarm = std::make_unique<pd::Particles>(files.comm());
     particles = make_particles(mesh, plan, *swarm);
+    stop_if_told(files.comm());
   }
   if (options.time.dynamic())
     run_in_time(files, mesh, plan, std::move(particles));
@@ -160,9 +169,8 @@ void run(MPI_Comm comm, double begin)
   const SceneOptions options = SceneOptions::read();
   refuse_reference_options(options);
   if (!options.time.dynamic()) (void)wants_assembled(options); // refuses before anything is built
-  std::optional<StopSignals> signals;                          // from the set-up on
-  if (options.time.analysis == Analysis::explicit_dynamics) signals.emplace();
   RunFiles files(comm, options, begin);
+  for (const std::string& warning : options.warnings) files.warn(warning);
   try {
     if (!options.pd.cloud.empty())
       run_cloud(files);
@@ -177,6 +185,8 @@ void run(MPI_Comm comm, double begin)
   } catch (const SolverFailure& failure) {
     files.fail(failure.what());
     throw;
+  } catch (const Stopped& stop) {
+    files.stop(stop.what());
   } catch (const std::bad_alloc&) {
     files.lost(memory_ran_out());
     throw;
@@ -186,19 +196,19 @@ void run(MPI_Comm comm, double begin)
   }
 }
 
-void print_help()
+std::string help_text()
 {
   (void)SceneOptions::read(true);
-  fmt::print("pdxsolve {}: brittle fracture with elements and peridynamics\n"
-             "mpirun -n N pdxsolve -options_file case.opts [any PETSc option]\n",
-             PDX_VERSION);
+  std::string text = fmt::format("pdxsolve {}: brittle fracture with elements and peridynamics\n"
+                                 "mpirun -n N pdxsolve -options_file case.opts [any PETSc option]\n",
+                                 PDX_VERSION);
   std::string room;
   for (const OptionDoc& doc : documented_options()) {
-    if (doc.room != room) fmt::print("\n{}\n", room = doc.room);
-    fmt::print("  {:<28} {}{}\n{:31}default {}; {}\n", doc.name, doc.help,
-               doc.unit.empty() ? "" : " [" + doc.unit + "]", "", doc.default_value, doc.allowed);
+    if (doc.room != room) text += fmt::format("\n{}\n", room = doc.room);
+    text += fmt::format("  {:<28} {}{}\n{:31}default {}; {}\n", doc.name, doc.help,
+                        doc.unit.empty() ? "" : " [" + doc.unit + "]", "", doc.default_value, doc.allowed);
   }
-  fmt::print(
-      "\nSolver options are PETSc's: -snes_..., -ksp_..., -pc_..., -mg_levels_..., -mg_coarse_..., -log_view.\n");
+  return text +
+         "\nSolver options are PETSc's: -snes_..., -ksp_..., -pc_..., -mg_levels_..., -mg_coarse_..., -log_view.\n";
 }
 } // namespace pdx::app

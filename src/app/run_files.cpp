@@ -162,6 +162,15 @@ void RunFiles::after_failure(const std::function<void()>& write) const
   }
 }
 
+void RunFiles::stop(const std::string& why)
+{
+  summary.message = why;
+  write_summary("stopped");
+  int rank = 0;
+  MPI_Comm_rank(comm_, &rank);
+  if (rank == 0) fmt::print("{}\n", why);
+}
+
 void RunFiles::warn(const std::string& what) const
 {
   int rank = 0;

@@ -47,10 +47,17 @@ public:
     if (checkpoints_) checkpoints_->begin(files_.scene, *driver, recorder_);
     recorder_.started(*driver, limits);
     try {
+      StopLook look(files_.comm());
       driver->run([&] {
         recorder_.after_step(*driver);
-        return checkpoints_ ? checkpoints_->after_step(*driver, recorder_) : solve::TimeDriver::Verdict::go_on;
+        if (checkpoints_) return checkpoints_->after_step(*driver, recorder_);
+        look();
+        return solve::TimeDriver::Verdict::go_on;
       });
+    } catch (const Stopped& stop) {
+      recorder_.stopped_at(*driver);
+      throw Stopped(fmt::format("{} at step {}, time {:.6g} s: implicit steps have no checkpoint", stop.what(),
+                                driver->step(), driver->time()));
     } catch (const SolverFailure&) {
       files_.after_failure([&] { recorder_.stopped_at(*driver); });
       if (checkpoints_) files_.after_failure([&] { checkpoints_->failed(*driver); });
@@ -62,13 +69,11 @@ public:
   }
 
 private:
-  /// A signal ended the run: no failure, and worth a line in any log.
+  /// A signal ended the run, and a checkpoint was written.
   void stop(const solve::TimeDriver& driver)
   {
-    recorder_.interrupted(driver, checkpoints_->stopped());
-    int rank = 0;
-    MPI_Comm_rank(files_.comm(), &rank);
-    if (rank == 0) fmt::print("{}\n", checkpoints_->stopped());
+    recorder_.interrupted(driver);
+    files_.stop(checkpoints_->stopped());
   }
 
   RunFiles& files_;
@@ -82,6 +87,7 @@ void run_in_time(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::
 {
   TimeRun run(files);
   const auto d = discretise(mesh, files.options, plan, std::move(particles), run.implicit());
+  stop_if_told(files.comm());
   run.built({&mesh, &plan, d.get()});
   run.run(d->system, limits_of<2>(plan.stencils, d->system));
 }
@@ -92,8 +98,10 @@ void run_solid(RunFiles& files)
   mesh::MeshOptions mesh_options = files.options.mesh;
   const SolidPlan plan = plan_solid(files.options, mesh_options);
   mesh::Mesh mesh = mesh::build(files.comm(), mesh_options, cell_cost(plan));
+  stop_if_told(files.comm());
   pd::Particles swarm(files.comm());
   const auto solid = discretise(files.comm(), files.options, plan, make_particles(mesh, plan, swarm));
+  stop_if_told(files.comm());
   run.built({&mesh, solid.get()});
   run.run(solid->system, limits_of<3>({&plan.stencil, 1}, solid->system));
 }
@@ -104,9 +112,11 @@ template <int Dim> void run_cloud_in(RunFiles& files)
   TimeRun run(files);
   auto plan = std::make_unique<CloudPlan<Dim>>(plan_cloud<Dim>(files.options));
   mesh::Mesh mesh = mesh::build(files.comm(), plan->mesh, cell_cost(*plan));
+  stop_if_told(files.comm());
   pd::Particles swarm(files.comm());
   const auto body = discretise(files.comm(), files.options, *plan, make_particles(mesh, *plan, swarm));
   plan.reset(); // the whole cloud
+  stop_if_told(files.comm());
   run.built({&mesh, body.get()});
   run.run(body->system, limits_of<Dim>({}, body->system));
 }

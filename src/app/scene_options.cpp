@@ -1,6 +1,8 @@
 #include "pdx/app/scene_options.hpp"
 
 #include "pdx/app/cloud_body.hpp"
+#include "pdx/base/number.hpp"
+#include "pdx/base/shown.hpp"
 #include "pdx/law/bond.hpp"
 
 #include <algorithm>
@@ -10,6 +12,7 @@
 namespace pdx::app {
 namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRounding = 1e-12; // of a ratio written in full
 
 geom::Box<2> box_of(const std::string& name, const std::vector<double>& v, std::size_t at)
 {
@@ -70,6 +73,16 @@ void require_poisson(const PdOptions& pd, const law::Elastic& elastic, bool soli
   } catch (const UserError& wrong) {
     throw UserError(fmt::format("-material_poisson is {}: {}", elastic.poisson, wrong.what()));
   }
+}
+
+/// One value for bonds and elements: the one that `require_poisson` found near.
+void take_required_poisson(SceneOptions& s)
+{
+  const double required = law::required_poisson(s.solid ? 3 : 2, s.elastic.plane);
+  if (std::abs(s.elastic.poisson - required) > kRounding)
+    s.warnings.push_back(fmt::format("-material_poisson is {}: taken as {}, the only value that bonds can have",
+                                     s.elastic.poisson, s.elastic.plane == law::Plane::stress ? "1/3" : "1/4"));
+  s.elastic.poisson = required;
 }
 
 PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
@@ -133,17 +146,11 @@ std::array<std::optional<double>, 3> read_components(Options& o, const std::stri
                                 solid ? " or 3" : ""));
   for (std::size_t a = 0; a < parts.size(); ++a) {
     if (parts[a] == "free") continue;
-    std::size_t end = 0;
-    double value = kNone;
-    try {
-      value = std::stod(parts[a], &end);
-    } catch (const std::exception&) {
-      end = 0;
-    }
-    if (end != parts[a].size() || !std::isfinite(value))
-      throw UserError(
-          fmt::format("{} is \"{}\" in component {}: must be a finite number or the word free", name, parts[a], a + 1));
-    held[a] = value;
+    const std::optional<double> value = real_in(parts[a]);
+    if (!value || !std::isfinite(*value))
+      throw UserError(fmt::format("{} is \"{}\" in component {}: must be a finite number or the word free", name,
+                                  shown(parts[a]), a + 1));
+    held[a] = *value;
   }
   return held;
 }
@@ -352,6 +359,7 @@ SceneOptions SceneOptions::read(bool describe)
   Options o("scene");
   static constexpr const char* kinematics[] = {"small", "finite", "mixed"};
   static constexpr const char* schemes[] = {"energy", "ghost", "interface"};
+  (void)o.text("-options_file", "", "file with an option a line: -name value, # begins a comment");
   s.case_name = o.text("-case", "case", "name of the case");
   s.kinematics = static_cast<Kinematics>(
       o.choice("-kinematics", 0, kinematics, "linear; finite strain; the papers' finite bonds with linear elements"));
@@ -362,8 +370,7 @@ SceneOptions SceneOptions::read(bool describe)
   }
   s.elastic = read_material(describe, s.solid);
   s.pd = read_pd(s.elastic, s.solid, describe);
-  if (!describe && s.pd.any())
-    s.elastic.poisson = law::required_poisson(s.solid ? 3 : 2, s.elastic.plane); // one value for all
+  if (!describe && s.pd.any()) take_required_poisson(s);
   s.scheme = static_cast<couple::Scheme>(
       Options("couple").choice("-couple_scheme", 0, schemes, "how bonds that leave a patch act on elements"));
   s.cracks = CrackOptions::read();

@@ -1,56 +1,45 @@
 #include "pdx/app/time_options.hpp"
 
+#include "pdx/base/number.hpp"
 #include "pdx/base/options.hpp"
+#include "pdx/base/shown.hpp"
+#include "pdx/base/text_file.hpp"
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
-#include <cmath>
 #include <fmt/format.h>
-#include <fstream>
 #include <limits>
 #include <optional>
-#include <sstream>
 #include <string_view>
 
 namespace pdx::app {
 namespace {
-std::optional<double> number_in(std::string_view word)
-{
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && end == word.data() + word.size() ? std::optional(value) : std::nullopt;
-}
-
 /// A time and a factor a line, commas or blanks between; # begins a comment, and a first line of words is a header.
 field::History read_table(const std::string& option, const std::string& name)
 {
-  std::ifstream file(name);
-  if (!file) throw UserError(fmt::format("{} is {}: cannot be read", option, name));
+  TextFile file(option, name);
   std::vector<field::History::Point> points;
-  std::string text;
   bool headed = false;
-  for (int number = 1; std::getline(file, text); ++number) {
-    text.resize(std::min(text.size(), text.find('#')));
-    std::ranges::replace(text, ',', ' ');
-    if (text.find_first_not_of(" \t\r") == std::string::npos) continue;
-    std::istringstream words(text);
-    std::string first, second, more;
-    words >> first >> second;
-    const std::optional<double> time = number_in(first), factor = number_in(second);
-    if (points.empty() && !headed && !time && !factor && std::isalpha(static_cast<unsigned char>(first[0]))) {
+  while (file.next()) {
+    const std::vector<std::string_view> words = words_of(file.line());
+    if (words.empty()) continue;
+    const bool letters = std::ranges::all_of(words, [](std::string_view word) {
+      return !word.empty() && std::isalpha(static_cast<unsigned char>(word[0])) && !real_in(word);
+    });
+    if (points.empty() && !headed && letters) {
       headed = true;
       continue;
     }
-    const std::string where = fmt::format("{} {}, line {}", option, name, number);
-    if (!time || !factor || !std::isfinite(*time) || !std::isfinite(*factor) || words >> more)
-      throw UserError(where + ": must be a time in s and a factor");
-    if (!points.empty() && *time < points.back().time)
-      throw UserError(fmt::format("{}: time {:g} is before {:g} of the line above", where, *time, points.back().time));
-    points.push_back({*time, *factor});
+    if (words.size() != 2)
+      file.refuse(
+          fmt::format("has {} item{}: must be a time in s and a factor", words.size(), words.size() == 1 ? "" : "s"));
+    const field::History::Point point{file.real(words[0]), file.real(words[1])};
+    if (!points.empty() && point.time < points.back().time)
+      file.refuse(fmt::format("time {:g} is before {:g} of the line above", point.time, points.back().time));
+    points.push_back(point);
   }
-  if (points.empty()) throw UserError(fmt::format("{} is {}: has no line with a time and a factor", option, name));
+  if (points.empty())
+    throw UserError(fmt::format("{} is {}: has no line with a time and a factor", option, shown_path(name)));
   return field::History::table(std::move(points));
 }
 } // namespace

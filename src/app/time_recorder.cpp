@@ -210,7 +210,7 @@ void TimeRecorder::count_seconds(double output_begin)
   files_.summary.wall_seconds.output = output_;
 }
 
-void TimeRecorder::interrupted(const solve::TimeDriver& driver, const std::string& why)
+void TimeRecorder::interrupted(const solve::TimeDriver& driver)
 {
   const double begin = MPI_Wtime();
   const MotionEnergies e = energies(driver);
@@ -218,8 +218,6 @@ void TimeRecorder::interrupted(const solve::TimeDriver& driver, const std::strin
   write_results(driver, e);
   count_seconds(begin);
   files_.summary.steps = driver.step();
-  files_.summary.message = why;
-  files_.write_summary("stopped");
   print_phases(driver);
 }
 

@@ -1,10 +1,15 @@
 #include "pdx/base/options.hpp"
 
+#include "pdx/base/given_options.hpp"
+#include "pdx/base/number.hpp"
+#include "pdx/base/petsc_names.hpp"
+#include "pdx/base/shown.hpp"
 #include <algorithm>
-#include <charconv>
+#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <limits>
 
 namespace pdx {
 namespace {
@@ -30,15 +35,13 @@ std::vector<std::string> split(const std::string& text)
   return parts;
 }
 
-template <class T> T parse(const std::string& name, const std::string& text, const char* what)
+/// The value, or what `read` makes of it; refuses none.
+template <class Read> auto parse(const std::string& name, const std::string& text, const char* what, Read&& read)
 {
-  T value{};
-  const char* begin = text.c_str() + (text.size() > 1 && text[0] == '+' ? 1 : 0);
-  const char* end = text.c_str() + text.size();
-  const auto result = std::from_chars(begin, end, value);
-  if (result.ec != std::errc{} || result.ptr != end)
-    throw UserError(fmt::format("{} is \"{}\": must be {}", name, text, what));
-  return value;
+  if (text.empty()) throw UserError(fmt::format("{} has no value where {} belongs", name, what));
+  const auto value = read(text);
+  if (!value) throw UserError(fmt::format("{} is \"{}\": must be {}", name, shown(text), what));
+  return *value;
 }
 
 std::string describe(const Range& range)
@@ -61,23 +64,30 @@ void require_range(const std::string& name, double value, const char* unit, cons
 
 double parse_real(const std::string& name, const std::string& text, const char* unit, const Range& range)
 {
-  const double value = parse<double>(name, text, "a number");
+  const double value = parse(name, text, "a number", real_in);
   require_range(name, value, unit, range);
   return value;
 }
 
 int parse_integer(const std::string& name, const std::string& text, const Range& range)
 {
-  const int value = parse<int>(name, text, "a whole number");
-  require_range(name, value, "", range);
-  return value;
+  const auto value = static_cast<double>(parse(name, text, "a whole number", whole_in));
+  constexpr double least = std::numeric_limits<int>::min(), most = std::numeric_limits<int>::max();
+  require_range(name, value, "", {std::max(range.lower, least), std::min(range.upper, most), range.open_lower});
+  return static_cast<int>(value);
 }
 
-void require_count(const std::string& name, std::size_t got, std::size_t wanted)
+/// The items of a list, as many as are wanted (0: any number).
+std::vector<std::string> items_of(const std::string& name, const std::string& text, std::size_t wanted)
 {
-  if (wanted && got != wanted)
-    throw UserError(
-        fmt::format("{} has {} values: must have {}, separated by commas without blanks", name, got, wanted));
+  if (text.empty()) throw UserError(fmt::format("{} has no value where numbers belong", name));
+  std::vector<std::string> items = split(text);
+  if (wanted && items.size() != wanted)
+    throw UserError(fmt::format("{} has {} values: must have {}, separated by commas", name, items.size(), wanted));
+  for (const std::string& item : items)
+    if (item.empty())
+      throw UserError(fmt::format("{} is \"{}\": an item is empty; separate items by one comma", name, shown(text)));
+  return items;
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b)
@@ -95,77 +105,19 @@ std::size_t edit_distance(std::string_view a, std::string_view b)
   }
   return row[b.size()];
 }
-
-bool petsc_family(std::string_view name)
-{
-  static constexpr std::string_view families[] = {"snes_",
-                                                  "ksp_",
-                                                  "pc_",
-                                                  "mg_",
-                                                  "mat_",
-                                                  "vec_",
-                                                  "ts_",
-                                                  "tao_",
-                                                  "dm_",
-                                                  "sf_",
-                                                  "is_",
-                                                  "log_",
-                                                  "malloc",
-                                                  "memory_",
-                                                  "options_",
-                                                  "info",
-                                                  "on_error",
-                                                  "error_",
-                                                  "fp_",
-                                                  "debug",
-                                                  "viewer_",
-                                                  "petscpartitioner_",
-                                                  "sub_",
-                                                  "fieldsplit_",
-                                                  "esteig_",
-                                                  "use_gpu",
-                                                  "help",
-                                                  "version",
-                                                  "nox",
-                                                  "x_",
-                                                  "draw_",
-                                                  "citations",
-                                                  "no_signal",
-                                                  "check_pointer",
-                                                  "start_in_debugger",
-                                                  "stop_for_debugger",
-                                                  "skip_petscrc",
-                                                  "prefix_",
-                                                  "python",
-                                                  "saws",
-                                                  "cuda",
-                                                  "get_total_flops",
-                                                  "mpiuni",
-                                                  "objects_dump",
-                                                  "history",
-                                                  "not_shared_tmp",
-                                                  "shared_tmp",
-                                                  "blas_"};
-  return std::any_of(std::begin(families), std::end(families),
-                     [&](std::string_view family) { return name.starts_with(family); });
-}
 } // namespace
 
 std::optional<std::string> Options::find(const std::string& name) const
 {
-  const char* value = nullptr;
-  PetscBool set = PETSC_FALSE;
-  PDX_CALL(PetscOptionsFindPair(nullptr, nullptr, name.c_str(), &value, &set));
-  if (!set) return std::nullopt;
-  return std::string(value ? value : "");
+  const GivenOption* option = given_option(name);
+  return option ? std::optional(option->value) : std::nullopt;
 }
 
 void Options::document(const std::string& name, const char* unit, std::string default_value, std::string allowed,
                        const char* help)
 {
-  auto& all = documents();
-  if (std::none_of(all.begin(), all.end(), [&](const OptionDoc& d) { return d.name == name; }))
-    all.push_back({room_, name, unit, std::move(default_value), std::move(allowed), help});
+  if (!is_documented(name))
+    documents().push_back({room_, name, unit, std::move(default_value), std::move(allowed), help});
 }
 
 bool Options::given(const std::string& name) const { return find(name).has_value(); }
@@ -193,7 +145,7 @@ bool Options::boolean(const std::string& name, bool value, const char* help)
     if (*text == yes) return true;
   for (const char* no : {"false", "0", "no", "off"})
     if (*text == no) return false;
-  throw UserError(fmt::format("{} is \"{}\": must be true or false", name, *text));
+  throw UserError(fmt::format("{} is \"{}\": must be true or false", name, shown(*text)));
 }
 
 std::string Options::text(const std::string& name, const std::string& value, const char* help)
@@ -216,7 +168,8 @@ int Options::choice(const std::string& name, int value, std::span<const char* co
     const std::size_t d = edit_distance(*text, allowed[k]);
     if (d < distance) best = k, distance = d;
   }
-  throw UserError(fmt::format("{} is \"{}\": must be one of {}; did you mean {}?", name, *text, list, allowed[best]));
+  throw UserError(
+      fmt::format("{} is \"{}\": must be one of {}; did you mean {}?", name, shown(*text), list, allowed[best]));
 }
 
 std::vector<double> Options::reals(const std::string& name, std::vector<double> value, std::size_t count,
@@ -225,10 +178,8 @@ std::vector<double> Options::reals(const std::string& name, std::vector<double> 
   document(name, unit, value.empty() ? "none" : fmt::format("{}", fmt::join(value, ",")), describe(range), help);
   const auto text = find(name);
   if (!text) return value;
-  const auto parts = split(*text);
-  require_count(name, parts.size(), count);
   value.clear();
-  for (const std::string& part : parts) value.push_back(parse_real(name, part, unit, range));
+  for (const std::string& part : items_of(name, *text, count)) value.push_back(parse_real(name, part, unit, range));
   return value;
 }
 
@@ -238,10 +189,8 @@ std::vector<int> Options::integers(const std::string& name, std::vector<int> val
   document(name, "", value.empty() ? "none" : fmt::format("{}", fmt::join(value, ",")), describe(range), help);
   const auto text = find(name);
   if (!text) return value;
-  const auto parts = split(*text);
-  require_count(name, parts.size(), count);
   value.clear();
-  for (const std::string& part : parts) value.push_back(parse_integer(name, part, range));
+  for (const std::string& part : items_of(name, *text, count)) value.push_back(parse_integer(name, part, range));
   return value;
 }
 
@@ -252,15 +201,14 @@ std::vector<std::string> Options::texts(const std::string& name, std::vector<std
   if (!text) return value;
   value = split(*text);
   if (std::any_of(value.begin(), value.end(), [](const std::string& part) { return part.empty(); }))
-    throw UserError(fmt::format("{} is \"{}\": an item is empty; separate items by one comma", name, *text));
+    throw UserError(fmt::format("{} is \"{}\": an item is empty; separate items by one comma", name, shown(*text)));
   return value;
 }
 
 namespace {
 /// A name of PETSc's families that is all but one of ours of the same family.
-bool misspelt(std::string_view name)
+bool misspelt(std::string_view given)
 {
-  const std::string given = "-" + std::string(name);
   return std::ranges::any_of(documents(), [&](const OptionDoc& doc) {
     return doc.name.size() > 8 && doc.name.starts_with("-ts_") && edit_distance(given, doc.name) <= 2;
   });
@@ -269,12 +217,19 @@ bool misspelt(std::string_view name)
 
 const std::vector<OptionDoc>& documented_options() { return documents(); }
 
+bool is_documented(std::string_view name)
+{
+  return std::ranges::any_of(documents(), [&](const OptionDoc& doc) { return doc.name == name; });
+}
+
 std::string nearest_option(std::string_view name)
 {
   std::string best;
   std::size_t distance = std::max<std::size_t>(3, name.size() / 2);
+  std::string small(name);
+  std::ranges::transform(small, small.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const OptionDoc& doc : documents()) {
-    const std::size_t d = edit_distance(name, doc.name);
+    const std::size_t d = edit_distance(small, doc.name);
     if (d < distance) best = doc.name, distance = d;
   }
   return best;
@@ -282,17 +237,16 @@ std::string nearest_option(std::string_view name)
 
 void refuse_unknown_options()
 {
-  PetscInt count = 0;
-  char** names = nullptr;
-  char** values = nullptr;
-  PDX_CALL(PetscOptionsLeftGet(nullptr, &count, &names, &values));
-  std::string unknown;
-  for (PetscInt k = 0; k < count && unknown.empty(); ++k)
-    if (!petsc_family(names[k]) || misspelt(names[k])) unknown = std::string("-") + names[k];
-  PDX_CALL(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
-  if (unknown.empty()) return;
+  const auto known = [](const std::string& name) {
+    return is_documented(name) || (is_petsc_name(name) && !misspelt(name));
+  };
+  const auto& given = given_options();
+  const auto first = std::ranges::find_if(given, [&](const auto& option) { return !known(option.first); });
+  if (first == given.end()) return;
+  const std::string unknown = first->first;
   const std::string nearest = nearest_option(unknown);
-  throw UserError(nearest.empty() ? fmt::format("{} is no option of pdxsolve: see pdxsolve -help", unknown)
-                                  : fmt::format("{} is no option of pdxsolve: did you mean {}?", unknown, nearest));
+  throw UserError(nearest.empty()
+                      ? fmt::format("{} is no option of pdxsolve: see pdxsolve -help", shown(unknown))
+                      : fmt::format("{} is no option of pdxsolve: did you mean {}?", shown(unknown), nearest));
 }
 } // namespace pdx

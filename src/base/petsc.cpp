@@ -2,6 +2,7 @@
 
 #include "pdx/base/machine_failure.hpp"
 #include "pdx/base/memory.hpp"
+#include "pdx/base/petsc_names.hpp"
 
 #include <exception>
 
@@ -50,7 +51,8 @@ void check(PetscErrorCode code, const char* call, const char* file, int line)
   if (code == PETSC_ERR_MEM || is_of_memory(message)) throw MachineFailure(memory_ran_out());
   const char* name = nullptr;
   if (message.empty() && !PetscErrorMessage(code, &name, nullptr) && name) message = name;
-  if (code == PETSC_ERR_ARG_UNKNOWN_TYPE) throw UserError(message + " (the value of a PETSc option)");
+  if (code == PETSC_ERR_ARG_UNKNOWN_TYPE || message.starts_with("PetscOptions"))
+    throw UserError(message + std::string(kPetscValue));
   throw PetscFailure(message + " [" + file + ":" + std::to_string(line) + ": " + call + "]");
 }
 } // namespace pdx

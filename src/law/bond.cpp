@@ -9,7 +9,7 @@
 
 namespace pdx::law {
 namespace {
-constexpr double kPoissonTolerance = 5e-3; // 0.33 is meant as 1/3
+constexpr double kPoissonTolerance = 1e-3; // 0.333 is meant as 1/3, 0.33 need not be
 
 const char* name_of(int dim, Plane plane)
 {

@@ -32,7 +32,7 @@ bool works_matrix_free(std::string_view pc_type)
 
 StaticDriver::StaticDriver(const field::System& system, const StaticOptions& options)
     : system_(system), options_(options), tangent_(system, options.assembled || !system.coarse),
-      rule_(options.rebuild_factor), start_(system.rows.vector())
+      look_(system.rows.comm), rule_(options.rebuild_factor), start_(system.rows.vector())
 {
   if (!tangent_.assembled()) two_level_ = std::make_unique<TwoLevel>(system, tangent_);
   configure();
@@ -65,6 +65,7 @@ void StaticDriver::configure()
     two_level_->configure(pc_);
   else
     PDX_CALL(PCSetType(pc_, PCHYPRE));
+  PDX_CALL(KSPMonitorSet(ksp_, look, this, nullptr));
   PDX_CALL(SNESSetFromOptions(snes));
   refuse_wrong_krylov();
   KSPType krylov = nullptr;
@@ -227,6 +228,11 @@ PetscErrorCode StaticDriver::record(SNES, PetscInt iteration, PetscReal norm, vo
   });
 }
 
+PetscErrorCode StaticDriver::look(KSP, PetscInt, PetscReal, void* context)
+{
+  return guard([&] { static_cast<StaticDriver*>(context)->look_(); });
+}
+
 /// The residual drops what hits rows without stiffness, so the tangent that knows them comes first.
 void StaticDriver::prepare(Vec u)
 {
@@ -332,6 +338,21 @@ void StaticDriver::restore(Vec saved, Vec u, bool changed)
   rule_.demand();
 }
 
+/// Looks for signals too: they end the run in the state accepted last.
+std::string StaticDriver::attempted(Step& step, Vec saved, Vec u)
+{
+  try {
+    stop_if_told(system_.rows.comm);
+    return equilibrium(step, u);
+  } catch (const Stopped&) {
+    restore(saved, u, true);
+    throw;
+  } catch (const UserError&) {
+    restore(saved, u, true);
+    throw;
+  }
+}
+
 void StaticDriver::run(Vec u, const Accepted& accepted)
 {
   LoadPath path(options_.load_steps, options_.max_halvings);
@@ -340,13 +361,7 @@ void StaticDriver::run(Vec u, const Accepted& accepted)
     PDX_CALL(VecCopy(u, saved.get()));
     for (const auto& after : system_.after) after->save();
     Step step{report_.steps + 1, path.target()};
-    std::string why;
-    try {
-      why = equilibrium(step, u);
-    } catch (const UserError&) {
-      restore(saved.get(), u, true);
-      throw;
-    }
+    const std::string why = attempted(step, saved.get(), u);
     if (why.empty()) {
       path.advance();
       report_.steps = step.number;

@@ -219,6 +219,7 @@ CASES = [
     patch("horizon beyond the bond word", r"horizon", pd_horizon_ratio="1000"),
     patch("Poisson's ratio that bonds cannot have", r"-material_poisson\b.*0\.2\b.*(1/3|0\.333)",
           material_poisson="0.2"),
+    patch("Poisson's ratio near the one of bonds", r"-material_poisson is 0\.33\b.*0\.333333", material_poisson="0.33"),
     patch("plane strain at 1/3 with bonds", r"-material_poisson\b.*(1/4|0\.25)", material_plane="strain"),
     patch("all peridynamic at a wrong Poisson's ratio", r"-material_poisson\b.*(1/3|0\.333)", pd_patches="all",
           material_poisson="0.2"),
@@ -268,7 +269,7 @@ CASES = [
           crack_names="a,b", crack_a_points="0,0.55,1,0.55", crack_b_points="0.55,0,0.55,1"),
     plate("missing crack file", r"-crack_file\b.*nowhere\.cracks", crack_file="{dir}/nowhere.cracks"),
     plate("crack file is a directory", r"-crack_file\b", crack_file="{dir}"),
-    plate("crack file with a word in it", r"word\.cracks.*line 2\b.*number", crack_file="{dir}/word.cracks"),
+    plate("crack file with a word in it", r"word\.cracks, line 2: .half. is not a number", crack_file="{dir}/word.cracks"),
     plate("crack file with an odd number", r"odd\.cracks.*line 1\b.*3", crack_file="{dir}/odd.cracks"),
     plate("crack file of comments", r"comment\.cracks.*no crack", crack_file="{dir}/comment.cracks"),
     plate("crack of a file outside the body", r"crack 2\b.*body", crack_file="{dir}/outside.cracks"),
@@ -339,7 +340,7 @@ CASES = [
     solid("traction of four components", r"-bc_left_traction\b.*4 values.*2", bc_left_traction="1,0,0,0"),
     patch("side of a solid in the plane", r"-bc_left_on\b.*front.*\bleft\b", bc_left_on="front"),
     # --- clouds
-    cloud("cloud that is not there", r"-pd_cloud\b.*cannot read.*nowhere\.csv", pd_cloud="{dir}/nowhere.csv"),
+    cloud("cloud that is not there", r"-pd_cloud\b.*nowhere\.csv.*no such file", pd_cloud="{dir}/nowhere.csv"),
     cloud("cloud without a name", r"-pd_cloud\b", pd_cloud=""),
     cloud("cloud of volumes that are no numbers together", r"-pd_cloud\b.*volumes from 1 to 1e\+300", pd_cloud="{dir}/vast.csv"),
     cloud("cloud beyond rounding", r"-pd_cloud\b.*particle 1 is at \(1e\+13, 0\).*too far", pd_cloud="{dir}/far.csv"),
@@ -349,7 +350,7 @@ CASES = [
           pd_cloud="{dir}/columns.csv"),
     cloud("cloud in space read in the plane", r"-pd_cloud\b.*x,y,z,volume.*x,y,volume\[,set\]",
           pd_cloud="{dir}/space.csv"),
-    cloud("cloud with a short line", r"-pd_cloud\b.*line 3\b.*short\.csv.*3 numbers", pd_cloud="{dir}/short.csv"),
+    cloud("cloud with a short line", r"-pd_cloud\b.*short\.csv, line 3: .*1,0.*3 numbers", pd_cloud="{dir}/short.csv"),
     cloud("cloud with a negative volume", r"-pd_cloud\b.*particle 2\b.*-1.*above 0", pd_cloud="{dir}/negative.csv"),
     cloud("cloud of nobody", r"-pd_cloud\b.*nobody\.csv.*none", pd_cloud="{dir}/nobody.csv"),
     cloud("cloud with a particle twice", r"-pd_cloud\b.*in one place.*0\.75, 0\.05", pd_cloud="{dir}/twice.csv"),
@@ -420,7 +421,7 @@ def run(case, ranks):
     return status, out, [line.replace(directory, "{dir}") for line in err.splitlines() if line.strip()]
 
 
-def run_all(cases):
+def run_all(cases, run=run):
     """Runs every case on every number of ranks, six at a time (they mostly wait for each other to start and stop); yields (case, ranks, result of run)."""
     jobs = [(case, ranks) for case in cases for ranks in RANKS]
     with concurrent.futures.ThreadPoolExecutor(max_workers=6) as pool:

@@ -1,17 +1,21 @@
 #pragma once
+#include <mpi.h>
 #include <string>
 
 namespace pdx::app {
 /// What must be known before PETSc starts.
 struct Arguments {
   bool help = false, version = false;
-  std::string error; ///< not empty: an options file that PETSc could not read
+  std::string error; ///< not empty: what is wrong with the options, one line
 };
 
-/// Takes -help and -version out of the arguments (PETSc would print pages of its own) and checks every -options_file:
-/// PETSc meets a bad one before any error handler of ours stands. A bad file is taken out too.
-Arguments look_at_arguments(int& argc, char** argv);
+/// Reads the command line, the files it names, PETSc's resource files and PETSC_OPTIONS: all options are in
+/// `given_options` then, alike on every rank, for the first one reads. Collective.
+Arguments read_arguments(MPI_Comm comm, int argc, char** argv);
 
-/// Prints our version and PETSc's.
-void print_version();
+/// Puts PETSc's own options into PETSc's store, before it starts. Throws UserError for more than it has room for.
+void hand_options_to_petsc();
+
+/// Our version and PETSc's.
+std::string version_text();
 } // namespace pdx::app

@@ -1,7 +1,7 @@
 #pragma once
 #include "pdx/app/scene_state.hpp"
-#include "pdx/app/stop_signals.hpp"
 #include "pdx/app/time_recorder.hpp"
+#include "pdx/base/stop_signals.hpp"
 
 namespace pdx::app {
 /// Writes `checkpoint.h5` when it is time or a signal says so, and goes on from one. All methods are collective.

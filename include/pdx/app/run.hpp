@@ -1,12 +1,13 @@
 #pragma once
 #include <mpi.h>
+#include <string>
 
 namespace pdx::app {
-/// Reads the options in PETSc's database, solves the scene and writes what was asked for. Collective.
+/// Reads the given options, solves the scene and writes what was asked for. Collective.
 /// @param begin wall clock at the start of the program [s]
 /// Throws UserError, SolverFailure or PetscFailure, alike on every rank.
 void run(MPI_Comm comm, double begin);
 
-/// Prints all options by room with unit, default and allowed values.
-void print_help();
+/// All options by room with unit, default and allowed values.
+std::string help_text();
 } // namespace pdx::app

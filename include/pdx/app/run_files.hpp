@@ -54,6 +54,7 @@ public:
   void lost(const std::string& why) noexcept;
   /// Writes what a run that failed still has. Where that fails too it is a warning: the first cause counts.
   void after_failure(const std::function<void()>& write) const;
+  void stop(const std::string& why);        ///< a signal came: no failure, and worth a line in any log
   void warn(const std::string& what) const; ///< a line on standard error, even when quiet
   /// Columns of the reactions of held parts, one for each direction; the same for energies of a crack.
   void add_reaction_columns(std::vector<io::Column>& columns) const;

@@ -75,6 +75,7 @@ struct SceneOptions {
   TimeOptions time;
   PostOptions post;
   OutputOptions output;
+  std::vector<std::string> warnings; ///< of what was taken otherwise than written
 
   pd::Kinematics bond_kinematics() const
   {

@@ -34,8 +34,8 @@ public:
   void take_notes(const Notes& notes);
   CrackWatch* cracks() const { return cracks_.get(); } ///< null where no crack can grow from a given tip
   void finish(const solve::TimeDriver& driver);        ///< results of the end
-  void interrupted(const solve::TimeDriver& driver, const std::string& why); ///< a signal came; no failure
-  void stopped_at(const solve::TimeDriver& driver); ///< the solver gave up: what the last sound state holds
+  void interrupted(const solve::TimeDriver& driver);   ///< a signal came; no failure
+  void stopped_at(const solve::TimeDriver& driver);    ///< the solver gave up: what the last sound state holds
 
 private:
   MotionEnergies energies(const solve::TimeDriver& driver) const;

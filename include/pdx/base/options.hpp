@@ -23,9 +23,9 @@ struct OptionDoc {
   std::string room, name, unit, default_value, allowed, help;
 };
 
-/// Reads our options from PETSc's database: name, help, unit, default and allowed values meet in one call.
-/// A value that does not parse or is out of range throws UserError. Every name read is remembered for `-help`
-/// and for the refusal of unknown names.
+/// Reads our options from `given_options`: name, help, unit, default and allowed values meet in one call. A value that
+/// does not parse or is out of range throws UserError. Every name read is remembered for `-help` and for the refusal of
+/// unknown names.
 class Options {
 public:
   explicit Options(std::string room) : room_(std::move(room)) {}
@@ -53,9 +53,10 @@ private:
 
 /// Every option read so far, in order of reading.
 const std::vector<OptionDoc>& documented_options();
+bool is_documented(std::string_view name);
 /// The documented name nearest to `name` by edit distance ("" if none is near).
 std::string nearest_option(std::string_view name);
-/// Throws UserError for the first option in the database that neither we nor PETSc know. PETSc's own families
-/// (-snes_, -ksp_, -pc_, -mg_, -log_, ...) pass. Call after all our options were read.
+/// Throws UserError for the first given option that neither we nor PETSc know. PETSc's own (-snes_..., -ksp_...,
+/// -log_view) pass. Call after all our options were read.
 void refuse_unknown_options();
 } // namespace pdx

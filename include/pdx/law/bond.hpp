@@ -13,7 +13,7 @@ double required_poisson(int dim, Plane plane);
 template <int Dim> class BondLaw {
 public:
   /// @param horizon delta [m]
-  /// Throws UserError if elastic.poisson is further than 5e-3 from `required_poisson`, or if Young's modulus, the
+  /// Throws UserError if elastic.poisson is further than 1e-3 from `required_poisson`, or if Young's modulus, the
   /// horizon or (2-D) the thickness is not positive. The constants use the required value exactly.
   BondLaw(Micromodulus micromodulus, const Elastic& elastic, double horizon);
 

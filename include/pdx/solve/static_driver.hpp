@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/base/stop_signals.hpp"
 #include "pdx/solve/keep_rule.hpp"
 #include "pdx/solve/load_path.hpp"
 #include "pdx/solve/two_level.hpp"
@@ -53,8 +54,8 @@ public:
 
   /// Called after each accepted load with the displacement.
   using Accepted = std::function<void(const Step& step, Vec u)>;
-  /// Runs all loads from the state in u. Throws SolverFailure (which load, why, what to try) and what `judge` throws; u
-  /// and the AfterSolves are then in the state accepted last. Collective.
+  /// Runs all loads from the state in u. Throws SolverFailure (which load, why, what to try), what `judge` throws, or
+  /// Stopped when a signal came; u and the AfterSolves are then in the state accepted last. Collective.
   void run(Vec u, const Accepted& accepted);
   const StaticReport& report() const { return report_; }
   SNES snes() const { return snes_.get(); }
@@ -64,9 +65,11 @@ public:
 private:
   static PetscErrorCode residual(SNES, Vec u, Vec r, void* self);
   static PetscErrorCode jacobian(SNES, Vec u, Mat, Mat, void* self);
+  static PetscErrorCode look(KSP, PetscInt iteration, PetscReal norm, void* self);
   static PetscErrorCode record(SNES, PetscInt iteration, PetscReal norm, void* self);
   void configure();
   void refuse_wrong_krylov() const;
+  std::string attempted(Step& step, Vec saved, Vec u);
   std::string equilibrium(Step& step, Vec u);
   std::string solve(Vec u);
   std::string repeat(Vec u);
@@ -93,6 +96,7 @@ private:
   bool new_load_ = false;         // the next residual is the first at its load
   bool stale_ = true;             // Terms changed since the last tangent
   bool tangent_is_there_ = false; // for the next iterate
+  StopLook look_;                 // in each iteration of the linear solver
   KeepRule rule_;
   int built_at_ = 0; // assemblies of the tangent at the last build of the preconditioner
   std::int64_t held_at_build_ = 0;

@@ -1,3 +1,4 @@
+#include "pdx/base/given_options.hpp"
 #include "pdx/mesh/build.hpp"
 
 #include <gtest/gtest.h>
@@ -5,16 +6,16 @@
 using namespace pdx::mesh;
 
 namespace {
-/// Options in PETSc's database for the time of one test.
+/// Options for the time of one test.
 class Given {
 public:
   explicit Given(std::vector<std::pair<std::string, std::string>> options) : options_(std::move(options))
   {
-    for (const auto& [name, value] : options_) PDX_CALL(PetscOptionsSetValue(nullptr, name.c_str(), value.c_str()));
+    for (const auto& [name, value] : options_) pdx::give_option({name, value, ""});
   }
   ~Given()
   {
-    for (const auto& option : options_) (void)PetscOptionsClearValue(nullptr, option.first.c_str());
+    for (const auto& option : options_) pdx::take_back_option(option.first);
   }
   Given(const Given&) = delete;
   Given& operator=(const Given&) = delete;
