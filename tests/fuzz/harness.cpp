@@ -6,6 +6,7 @@
 #include "pdx/app/option_reader.hpp"
 #include "pdx/app/run.hpp"
 #include "pdx/base/petsc.hpp"
+#include "pdx/base/shown.hpp"
 
 #include <cstdio>
 #include <fstream>
@@ -39,6 +40,8 @@ void read_options(const std::vector<std::string>& words)
   }
 }
 
+Outcome told(int status, const std::exception& e) { return {status, pdx::as_one_line(pdx::with_place(e.what()))}; }
+
 Outcome run(const std::vector<std::string>& words)
 {
   try {
@@ -47,11 +50,11 @@ Outcome run(const std::vector<std::string>& words)
     pdx::app::run(PETSC_COMM_WORLD, MPI_Wtime());
     return {};
   } catch (const pdx::UserError& e) {
-    return {1, pdx::with_place(e.what())};
+    return told(1, e);
   } catch (const pdx::SolverFailure& e) {
-    return {2, e.what()};
+    return told(2, e);
   } catch (const std::exception& e) {
-    return {3, e.what()};
+    return told(3, e);
   }
 }
 
