@@ -111,8 +111,8 @@ void judge_cloud(const SceneOptions& s)
   };
   refuse_lattice("-pd_calibration", s.pd.calibration == pd::Calibration::lattice);
   refuse_lattice("-pd_toughness", s.fracture.by == pd::Toughness::lattice);
-  if (s.pd.surface_correction == SurfaceCorrection::volume)
-    throw UserError("-pd_surface_correction volume is of lattices: a cloud has none; drop it");
+  if (s.pd.surface_correction == SurfaceCorrection::volume || s.pd.surface_correction == SurfaceCorrection::exact)
+    throw UserError("-pd_surface_correction is of lattices, which a cloud is not: drop it, or give none");
   for (const BoundaryCondition& c : s.conditions) judge_condition(c);
 }
 } // namespace pdx::app

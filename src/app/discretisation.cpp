@@ -62,6 +62,20 @@ pd::Exists<2> behind_layers(const SceneOptions& options, const geom::Lattice<2>&
   };
 }
 
+/// The papers' volumes end with their ghosts; sides are those of the body whatever the scheme.
+pd::SurfaceCorrection<2> correction(const SceneOptions& options, const PatchPlan& plan, const Discretisation& d,
+                                    std::size_t patch)
+{
+  if (options.pd.surface_correction == SurfaceCorrection::none) return {};
+  const bool exact = plan.sides[patch].has_value();
+  const pd::Stencil<2>& stencil = plan.stencils[patch];
+  const couple::Scheme scheme = exact ? couple::Scheme::energy : options.scheme;
+  pd::Exists<2> exists =
+      behind_layers(options, plan.shapes[patch].lattice, couple::family_of(d.around[patch], stencil, scheme));
+  if (!exact) return pd::correct_volumes<2>(stencil, std::move(exists));
+  return pd::correct_sides(stencil, *plan.sides[patch], std::move(exists), &d.cracks);
+}
+
 std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const SceneOptions& options, const PatchPlan& plan,
                                                             const Discretisation& d)
 {
@@ -73,12 +87,8 @@ std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const SceneOptions& 
       if (particle.patch == static_cast<int>(p)) sites.push_back(particle.site);
     const Index first = row;
     row += static_cast<Index>(sites.size());
-    pd::Exists<2> exists;
-    if (options.pd.surface_correction != SurfaceCorrection::none)
-      exists = behind_layers(options, plan.shapes[p].lattice,
-                             couple::family_of(d.around[p], plan.stencils[p], options.scheme));
     parts.push_back(std::make_unique<pd::LatticePart<2>>(d.system.rows, plan.shapes[p].lattice, plan.stencils[p],
-                                                         std::move(sites), first, exists));
+                                                         std::move(sites), first, correction(options, plan, d, p)));
   }
   return parts;
 }
@@ -141,15 +151,9 @@ void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const
                                           d.seams.empty() ? nullptr : &d.seams);
   refuse_coarse_patches(options, d);
   auto parts = make_parts(options, plan, d);
-  const bool corrected = std::any_of(parts.begin(), parts.end(), [](const auto& part) { return part->corrected(); });
-  const bool volume = options.pd.surface_correction == SurfaceCorrection::volume;
-  const bool automatic = options.pd.surface_correction == SurfaceCorrection::automatic;
   if (d.elements || d.cut_elements) {
-    const couple::CouplingOptions coupling{options.scheme,
-                                           options.bond_kinematics(),
-                                           volume || (automatic && corrected),
-                                           d.cracks.empty() ? nullptr : &d.cracks,
-                                           d.seams.empty() ? nullptr : &d.seams,
+    const couple::CouplingOptions coupling{options.scheme, options.bond_kinematics(),
+                                           d.cracks.empty() ? nullptr : &d.cracks, d.seams.empty() ? nullptr : &d.seams,
                                            options.fracture.no_fail};
     auto carried = couple::carry_bonds(d.system.rows, coupling, parts, d.around);
     d.carried = carried.get();

@@ -46,6 +46,20 @@ geom::Box<2> with_layers(const SceneOptions& options, geom::Box<2> box, double d
   }
   return box;
 }
+
+/// Elements take tension over where it is; particles alone bend right.
+std::optional<pd::SideWeights> side_weights(const PdOptions& pd, const pd::Stencil<2>& stencil)
+{
+  using Aim = pd::SideWeights::Aim;
+  const bool demanded = pd.surface_correction == SurfaceCorrection::exact;
+  if (!demanded && pd.surface_correction != SurfaceCorrection::automatic) return std::nullopt;
+  auto weights = pd::SideWeights::solve(stencil, pd.everywhere ? Aim::bending : Aim::traction);
+  if (!weights && demanded)
+    throw UserError(fmt::format("-pd_surface_correction is exact: bonds of -pd_horizon_ratio {} are too few for it; "
+                                "take a ratio of 3 to 6, or volume",
+                                pd.horizon_ratio));
+  return weights;
+}
 } // namespace
 
 template <int Dim> geom::Lattice<Dim> lattice_in(const geom::Box<Dim>& box, double dx)
@@ -103,6 +117,7 @@ PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh)
     } catch (const UserError& wrong) {
       throw UserError(fmt::format("-pd_horizon_ratio is {}: {}", options.pd.horizon_ratio, wrong.what()));
     }
+    plan.sides.push_back(side_weights(options.pd, plan.stencils.back()));
   }
   if (options.pd.everywhere && mesh.cells[0] == 0) mesh.cells = background_cells(plan.shapes[0].lattice);
   return plan;

@@ -68,12 +68,13 @@ void add_bonds(const SceneOptions& options, const SolidPlan& plan, Solid& solid)
 {
   std::vector<Index> sites;
   for (const pd::Particle& particle : solid.particles) sites.push_back(particle.site);
-  pd::Exists<3> exists;
+  pd::SurfaceCorrection<3> correction;
   if (options.pd.surface_correction != SurfaceCorrection::none)
-    exists = [lattice = plan.lattice](const Site<3>& site) { return lattice.contains(site); };
+    correction = pd::correct_volumes<3>(
+        plan.stencil, [lattice = plan.lattice](const Site<3>& site) { return lattice.contains(site); });
   std::vector<std::unique_ptr<pd::LatticePart<3>>> parts;
-  parts.push_back(
-      std::make_unique<pd::LatticePart<3>>(solid.system.rows, plan.lattice, plan.stencil, std::move(sites), 0, exists));
+  parts.push_back(std::make_unique<pd::LatticePart<3>>(solid.system.rows, plan.lattice, plan.stencil, std::move(sites),
+                                                       0, std::move(correction)));
   auto bonds = std::make_unique<pd::BondTerm<3>>(std::move(parts), options.bond_kinematics(), false);
   solid.bonds = bonds.get();
   solid.system.terms.push_back(std::move(bonds));

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <unordered_map>
 
 namespace pdx::couple {
 namespace {
@@ -39,7 +38,12 @@ public:
       : rows_(rows), options_(options), part_(part), around_(around),
         exists_(family_of(around, part.stencil(), options.scheme)),
         mine_(around.edges_of_rows(rows.first, rows.first + rows.owned()))
-  {}
+  {
+    if (!part.correction()) return;
+    const Index reach = part.stencil().reach; // bonds that clip a corner start and end outside
+    const auto& count = part.lattice().count;
+    factors_ = part.correction()({part.lattice(), {-reach, -reach}, {count[0] + 2 * reach, count[1] + 2 * reach}});
+  }
 
   std::vector<Draft> write()
   {
@@ -84,18 +88,16 @@ private:
     return options_.scheme == Scheme::energy ? exists_(site) : around_.outside(site);
   }
 
-  double share(const Site<2>& site)
+  /// Of the bond along an arm from a site, as of any bond of the patch.
+  double surface_factor(const Site<2>& site, std::size_t arm, int sign) const
   {
-    if (!options_.surface_correction) return 1.0;
-    const std::int64_t key = static_cast<std::int64_t>(site[1]) << 32 ^ static_cast<std::uint32_t>(site[0]);
-    const auto [entry, fresh] = shares_.try_emplace(key, 1.0);
-    if (fresh) entry->second = pd::family_share<2>(part_.stencil(), site, exists_);
-    return entry->second;
+    if (!factors_.of) return 1.0;
+    const Site<2> lower = sign > 0 ? site : stepped(site, part_.stencil().half[arm].step, -1);
+    return factors_.any(lower) ? factors_.of(lower, arm) : 1.0;
   }
-  double surface_factor(const Site<2>& i, const Site<2>& j)
-  {
-    return options_.surface_correction ? 2.0 / (share(i) + share(j)) : 1.0;
-  }
+
+  /// Lattice cells beside a free side in which corrected bonds meet the interface.
+  Index zone() const { return factors_.even_over; }
 
   /// Bonds of a patch by the site they start from, in the lattice or around it, their arm and its sign.
   std::uint64_t key(const Site<2>& site, std::size_t arm, int sign) const
@@ -131,7 +133,7 @@ private:
         draft.key = key(site, h, sign);
         draft.site = static_cast<Index>(lattice.number(site));
         draft.row = row < 0 ? -1 : rows_.first + row;
-        draft.kappa = arm.kappa * surface_factor(site, other);
+        draft.kappa = arm.kappa * surface_factor(site, h, sign);
         draft.xi = sign * arm.xi;
         draft.energy_share = arm.length / part_.stencil().volume();
         draft.volume = arm.volume_share * part_.stencil().volume();
@@ -147,7 +149,7 @@ private:
     std::optional<Host> edge;
     if (options_.scheme != Scheme::ghost) {
       const auto part = geom::clip<2>(x, x + draft.xi, around_.shape().box);
-      edge = around_.edge_host(x + part->leave * draft.xi, -part->leave * draft.xi);
+      edge = around_.edge_host(x + part->leave * draft.xi, -part->leave * draft.xi, zone());
       if (!edge) return false;
       if (options_.scheme == Scheme::energy) draft.xi *= part->leave;
     }
@@ -169,12 +171,12 @@ private:
       const auto part = geom::clip<2>(x, x + arm.xi, around_.shape().box);
       if (!part || (part->leave - part->enter) * arm.length < kShortest * lattice.dx) continue;
       const Vector<2> begin = x + part->enter * arm.xi, half = 0.5 * (part->leave - part->enter) * arm.xi;
-      const auto enter = around_.edge_host(begin, half);
-      const auto leave = around_.edge_host(x + part->leave * arm.xi, -half);
+      const auto enter = around_.edge_host(begin, half, zone());
+      const auto leave = around_.edge_host(x + part->leave * arm.xi, -half, zone());
       if (!enter || !leave) continue;
       Draft draft;
       draft.key = key(site, h, 1);
-      draft.kappa = arm.kappa * surface_factor(site, other);
+      draft.kappa = arm.kappa * surface_factor(site, h, 1);
       draft.force_a = *enter;
       draft.force_b = *leave;
       const bool energy = options_.scheme == Scheme::energy;
@@ -207,7 +209,7 @@ private:
   const Surroundings& around_;
   pd::Exists<2> exists_;
   std::optional<geom::Box<2>> mine_;
-  std::unordered_map<std::int64_t, double> shares_;
+  pd::BondFactors<2> factors_;
   std::vector<Draft> drafts_;
 };
 

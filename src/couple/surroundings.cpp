@@ -58,6 +58,23 @@ bool Host::cross(PetscInt node, PetscInt set, double weight, double factor)
   return true;
 }
 
+bool Host::mix(const Host& other)
+{
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    weights[k] *= 0.5;
+    tied[k] *= 0.5;
+  }
+  for (std::size_t k = 0; k < static_cast<std::size_t>(other.count); ++k) {
+    if (!add(other.rows[k], 0.0)) return false;
+    const auto at = static_cast<std::size_t>(std::ranges::find(rows, other.rows[k]) - rows.begin());
+    weights[at] += 0.5 * other.weights[k];
+    tied[at] += 0.5 * other.tied[k];
+  }
+  sided = sided || other.sided;
+  across = across || other.across;
+  return true;
+}
+
 /// The displacement of mesh edges at the border of a patch, as seen from a point `from` of the patch: where a crack
 /// cuts the element behind, that of the side on which `from` lies.
 struct Surroundings::Trace {
@@ -203,7 +220,34 @@ const Host& Surroundings::element_host(const Site<2>& site) const
   return hosts_[static_cast<std::size_t>(where_[position(site)] - 1)];
 }
 
-std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>& inward) const
+void Surroundings::find_free_ends()
+{
+  const auto& count = shape_.lattice.count;
+  for (std::size_t side = 0; side < 4; ++side)
+    for (std::size_t end = 0; end < 2; ++end) {
+      const std::size_t d = side / 2;
+      Site<2> in{}, out{}; // beyond the end, of the patch and beside it
+      in[1 - d] = out[1 - d] = end ? count[1 - d] : -1;
+      in[d] = side % 2 ? count[d] - 1 : 0;
+      out[d] = side % 2 ? count[d] : -1;
+      free_end_[side][end] = !sides_[side].empty();
+      for (const Site<2>& site : {in, out})
+        free_end_[side][end] = free_end_[side][end] && !exists(site) && !behind_elements(site);
+    }
+}
+
+/// The cells whose trace a cell along a side is averaged with.
+std::array<double, 2> Surroundings::zone_of(std::size_t side, double cell, Index zone) const
+{
+  const double cells = shape_.lattice.count[1 - side / 2];
+  const auto [low, high] = free_end_[side];
+  if (low && high && cells < 2 * zone) return {0.0, cells};
+  if (low && cell < zone) return {0.0, std::min<double>(zone, cells)};
+  if (high && cell >= cells - zone) return {std::max(0.0, cells - zone), cells};
+  return {cell, cell + 1.0};
+}
+
+std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>& inward, Index zone) const
 {
   const double dx = shape_.lattice.dx, near = kOnSide * dx;
   for (std::size_t side = 0; side < 4; ++side) {
@@ -217,6 +261,21 @@ std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>&
     const auto cells = shape_.lattice.count[static_cast<std::size_t>(1 - d)];
     const double cell = std::clamp(std::floor((s + towards - start) / dx), 0.0, cells - 1.0);
     const Trace trace{sides_[side], cracks_, seams_, x + inward, face, 1 - d};
+    const auto over = [&](const std::array<double, 2>& rows) {
+      return trace.mean_over({start + rows[0] * dx, start + rows[1] * dx}, s);
+    };
+    if (zone) {
+      // On the border of a zone, bonds that cross each other there share their forces evenly between both sides.
+      const double at = (s - start) / dx, border = std::round(at);
+      const bool shared = std::abs(at - border) < kOnSide && border > 0.0 && border < cells;
+      const auto below = zone_of(side, shared ? border - 1.0 : cell, zone),
+                 above = shared ? zone_of(side, border, zone) : below;
+      if (below[1] - below[0] > 1.0 || above[1] - above[0] > 1.0) {
+        std::optional<Host> host = over(below);
+        const std::optional<Host> other = over(above);
+        if (host && other && host->mix(*other)) return host;
+      }
+    }
     const auto host = trace.mean_over({start + cell * dx, start + (cell + 1.0) * dx}, s);
     return host ? host : trace.at(s);
   }
@@ -361,6 +420,7 @@ std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span
   for (Surroundings& around : all)
     for (auto& side : around.sides_)
       std::sort(side.begin(), side.end(), [](const Edge& a, const Edge& b) { return a.begin < b.begin; });
+  for (Surroundings& around : all) around.find_free_ends();
   return all;
 }
 } // namespace pdx::couple

@@ -28,7 +28,15 @@ template <int W> struct WhereIntactScaled {
   PDX_INLINE Lanes<W> operator()(Lanes<W> x) const { return intact ? x * factor : Lanes<W>{}; }
 };
 
-enum class Weighting { none, bits, bits_and_share };
+/// Surface factors of the W bonds along half arm h that start at sites lower, lower + 1 ...
+template <int W, int Dim> PDX_INLINE Lanes<W> factors_at(const BondView<Dim>& view, std::size_t h, std::ptrdiff_t lower)
+{
+  Lanes<W> factor;
+  for (int l = 0; l < W; ++l) factor[l] = view.factors[view.classes[lower + l] * view.arms.size() + h];
+  return factor;
+}
+
+enum class Weighting { none, bits, bits_and_factors };
 
 /// Adds the W bonds of half arm h in the direction of `sign` (+1 or -1); `lower` is their lower end.
 template <int W, Weighting weighting, int Dim, class Op>
@@ -46,9 +54,7 @@ PDX_INLINE void add_bonds(const BondView<Dim>& view, std::size_t h, std::ptrdiff
     if constexpr (weighting == Weighting::bits)
       op.template add<W>(view, bond, WhereIntact<W>{intact}, sum);
     else
-      op.template add<W>(view, bond,
-                         WhereIntactScaled<W>{intact, 2.0 / (load<W>(view.share + i) + load<W>(view.share + bond.j))},
-                         sum);
+      op.template add<W>(view, bond, WhereIntactScaled<W>{intact, factors_at<W>(view, h, lower)}, sum);
   }
 }
 
@@ -67,8 +73,8 @@ PDX_INLINE void sweep_run(const BondView<Dim>& view, const Run& run, const Op& o
 template <int W, int Dim, class Op>
 PDX_INLINE void sweep_partial(const BondView<Dim>& view, const Run& run, const Op& op, double* out)
 {
-  if (view.share)
-    sweep_run<W, Weighting::bits_and_share>(view, run, op, out);
+  if (view.classes)
+    sweep_run<W, Weighting::bits_and_factors>(view, run, op, out);
   else
     sweep_run<W, Weighting::bits>(view, run, op, out);
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 namespace pdx::pd {
 namespace {
@@ -15,39 +16,18 @@ template <int Dim> Site<Dim> shifted(Site<Dim> site, const Site<Dim>& step, Inde
 }
 } // namespace
 
-template <int Dim> int family_reach(const Stencil<Dim>& stencil)
-{
-  int reach = 0;
-  for (const auto* arms : {&stencil.half, &stencil.mute})
-    for (const Arm<Dim>& arm : *arms)
-      for (const Index step : arm.step) reach = std::max(reach, std::abs(step));
-  return reach;
-}
-
-template <int Dim> double family_share(const Stencil<Dim>& stencil, const Site<Dim>& site, const Exists<Dim>& exists)
-{
-  double missing = 0.0;
-  for (const auto* arms : {&stencil.half, &stencil.mute})
-    for (const Arm<Dim>& arm : *arms)
-      for (const Index sign : {1, -1})
-        if (!exists(shifted<Dim>(site, arm.step, sign))) missing += arm.volume_share;
-  return 1.0 - missing * stencil.volume() / stencil.family_volume_full();
-}
-template int family_reach<2>(const Stencil<2>&);
-template int family_reach<3>(const Stencil<3>&);
-template double family_share<2>(const Stencil<2>&, const Site<2>&, const Exists<2>&);
-template double family_share<3>(const Stencil<3>&, const Site<3>&, const Exists<3>&);
-
 template <int Dim>
 LatticePart<Dim>::LatticePart(const field::Rows& rows, geom::Lattice<Dim> lattice, Stencil<Dim> stencil,
-                              std::vector<Index> sites, Index first_row, const Exists<Dim>& exists)
+                              std::vector<Index> sites, Index first_row, SurfaceCorrection<Dim> correction)
     : rows_(rows), lattice_(std::move(lattice)), stencil_(std::move(stencil)), sites_(std::move(sites)),
-      first_row_(first_row), directory_(rows.comm, static_cast<Index>(lattice_.total()), sites_, rows.first + first_row)
+      first_row_(first_row),
+      directory_(rows.comm, static_cast<Index>(lattice_.total()), sites_, rows.first + first_row),
+      correction_(std::move(correction))
 {
   require_bond_words(stencil_);
   place_window();
   write_bond_words();
-  if (exists) write_shares(exists);
+  if (correction_) write_classes();
   collect_halo();
   find_traits();
 }
@@ -125,32 +105,30 @@ template <int Dim> void LatticePart<Dim>::write_bond_words()
   }
 }
 
-/// Family-volume share q = V_i / V_0 of the volume method; it stays empty where every family is complete.
-template <int Dim> void LatticePart<Dim>::write_shares(const Exists<Dim>& exists)
+/// Sites whose bonds have the same factors are of one class; class 0 has the factor 1 throughout.
+template <int Dim> void LatticePart<Dim>::write_classes()
 {
-  const int reach = family_reach(stencil_);
-  bool corrected = false;
-  share_.assign(static_cast<std::size_t>(window_size_), 1.0);
-  const auto set = [&](const Site<Dim>& site) {
-    bool inner = true;
-    for (std::size_t d = 0; d < Dim; ++d) inner &= site[d] >= reach && site[d] < lattice_.count[d] - reach;
-    if (inner || !in_window(site) || !lattice_.contains(site)) return;
-    double& share = share_[static_cast<std::size_t>(at(site))];
-    share = family_share<Dim>(stencil_, site, exists);
-    corrected |= share != 1.0;
-  };
+  const BondFactors<Dim> factors = correction_({lattice_, lower_, extent_});
+  std::map<std::vector<double>, std::uint16_t> known{{std::vector<double>(arms_.size(), 1.0), 0}};
+  classes_.assign(static_cast<std::size_t>(window_size_), 0);
+  std::vector<double> here(arms_.size());
   Site<Dim> site = lower_;
   for (std::ptrdiff_t k = 0; k + kWindowPadding < window_size_; ++k) {
-    set(site);
+    if (lattice_.contains(site) && factors.any(site)) {
+      for (std::size_t h = 0; h < arms_.size(); ++h) here[h] = has_bond(k, h) ? factors.of(site, h) : 1.0;
+      const auto number = static_cast<std::uint16_t>(known.size());
+      if (known.size() > std::numeric_limits<std::uint16_t>::max())
+        throw std::logic_error("more classes of corrected bonds than 65536");
+      classes_[static_cast<std::size_t>(k)] = known.try_emplace(here, number).first->second;
+    }
     for (std::size_t d = 0; d < Dim; ++d) {
       if (++site[d] < lower_[d] + extent_[d]) break;
       site[d] = lower_[d];
     }
   }
-  int any = corrected;
-  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_LOR, rows_.comm);
-  corrected_ = any != 0;
-  if (!any) share_.clear();
+  if (known.size() == 1) return classes_.clear();
+  factors_.resize(known.size() * arms_.size());
+  for (const auto& [values, number] : known) std::ranges::copy(values, factors_.begin() + number * arms_.size());
 }
 
 template <int Dim> void LatticePart<Dim>::collect_halo()
@@ -246,7 +224,8 @@ template <int Dim> BondView<Dim> LatticePart<Dim>::view(const Window& window) co
   BondView<Dim> view{};
   for (std::size_t d = 0; d < Dim; ++d) view.u[d] = window[d].data();
   view.words = {words_[0].data(), words_[1].data()};
-  view.share = share_.empty() ? nullptr : share_.data();
+  view.classes = classes_.empty() ? nullptr : classes_.data();
+  view.factors = factors_.data();
   view.arms = arms_;
   return view;
 }

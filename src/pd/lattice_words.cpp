@@ -41,9 +41,7 @@ template <int Dim> void LatticePart<Dim>::find_traits()
         const std::ptrdiff_t j = i + sign * arms_[h].jump;
         const bool there = has_bond(sign > 0 ? i : j, h);
         if (!there) traits &= static_cast<std::uint8_t>(~kComplete);
-        if (there && !share_.empty() &&
-            (share_[static_cast<std::size_t>(i)] != 1.0 || share_[static_cast<std::size_t>(j)] != 1.0))
-          traits &= static_cast<std::uint8_t>(~kPlain);
+        if (there && surface_factor(sign > 0 ? i : j, h) != 1.0) traits &= static_cast<std::uint8_t>(~kPlain);
       }
     traits_[static_cast<std::size_t>(i)] = traits;
     const bool on = !segments_.empty() && segments_.back().at + segments_.back().length == i;
@@ -156,7 +154,7 @@ void LatticePart<Dim>::note_force(const LostBond<Dim>& bond, Kinematics kinemati
                                         ? law::finite_state<Dim>(arm.xi, arm.length, bond.eta)
                                         : law::linear_state<Dim>(arm.xi, arm.length, bond.eta);
   const std::ptrdiff_t end = bond.at + arms_[bond.arm].jump;
-  const Vector<Dim> pull = surface_factor(bond.at, end) * arm.kappa * state.stretch * state.direction;
+  const Vector<Dim> pull = surface_factor(bond.at, bond.arm) * arm.kappa * state.stretch * state.direction;
   for (const auto& [site, sign] : {std::pair{bond.at, -1.0}, std::pair{end, 1.0}}) {
     if (!(traits_[static_cast<std::size_t>(site)] & kOwned)) continue;
     const Index row = local_rows_[static_cast<std::size_t>(site)];
@@ -196,7 +194,7 @@ template <int Dim> double LatticePart<Dim>::stretch(const Vector<Dim>& eta, std:
 /// Strain energy of a bond, with its surface factor. [J]
 template <int Dim> double LatticePart<Dim>::energy_of(std::ptrdiff_t i, std::size_t h, double stretch) const
 {
-  return surface_factor(i, i + arms_[h].jump) * law::bond_energy(arms_[h].kappa, arms_[h].length, stretch);
+  return surface_factor(i, h) * law::bond_energy(arms_[h].kappa, arms_[h].length, stretch);
 }
 
 template <int Dim> void LatticePart<Dim>::save()

@@ -94,13 +94,15 @@ template <int W> struct Seen {
 };
 
 /// The bonds that start at the W particles of one vector.
-template <int W, class Law, bool shared, bool energetic, int Dim>
+template <int W, class Law, bool scaled, bool energetic, int Dim>
 PDX_INLINE void sweep_vector(const StripView<Dim>& view, std::ptrdiff_t vector, Seen<W>& seen)
 {
   constexpr std::ptrdiff_t block = StripView<Dim>::kParts * W;
   double* const here = view.blocks + vector * block;
   Lanes<W> u[Dim], own[Dim] = {};
   for (int d = 0; d < Dim; ++d) u[d] = load<W>(here + d * W);
+  [[maybe_unused]] const double* const factor =
+      scaled ? view.factors + view.classes[vector] * static_cast<std::ptrdiff_t>(view.arms.size()) * W : nullptr;
   for (std::size_t from = 0; from < view.arms.size(); from += 64) {
     const auto word = load<W>(view.words[from / 64] + vector * W);
     const StripArm<Dim>* const last = view.arms.data() + std::min(from + 64, view.arms.size());
@@ -120,7 +122,7 @@ PDX_INLINE void sweep_vector(const StripView<Dim>& view, std::ptrdiff_t vector, 
       const Lanes<W> shortened = Law::template shorten<W>(e, *arm, y, intact);
       Lanes<W> pull = shortened * arm->stiffness;
       [[maybe_unused]] const std::ptrdiff_t j = vector * W + arm->jump / StripView<Dim>::kParts;
-      if constexpr (shared) pull *= 2.0 / (load<W>(view.share + vector * W) + load<W>(view.share + j));
+      if constexpr (scaled) pull *= load<W>(factor + (arm - view.arms.data()) * W);
       if constexpr (energetic) {
         const Lanes<W> ends = load<W>(view.ends + vector * W) + load<W>(view.ends + j);
         seen.energy += 0.5 * arm->length * arm->length * pull * Law::template work<W>(shortened) * ends;
@@ -168,19 +170,23 @@ private:
   template <int W, class Law> PDX_INLINE void with_law(StripTask& task) const
   {
     if (energetic)
-      task.shared ? sweep_box<W, Law, true, true>(task) : sweep_box<W, Law, false, true>(task);
+      task.scaled ? sweep_box<W, Law, true, true>(task) : sweep_box<W, Law, false, true>(task);
     else
-      task.shared ? sweep_box<W, Law, true, false>(task) : sweep_box<W, Law, false, false>(task);
+      task.scaled ? sweep_box<W, Law, true, false>(task) : sweep_box<W, Law, false, false>(task);
   }
 
-  template <int W, class Law, bool shared, bool with_energy> PDX_INLINE void sweep_box(StripTask& task) const
+  template <int W, class Law, bool scaled, bool with_energy> PDX_INLINE void sweep_box(StripTask& task) const
   {
     Seen<W> seen;
     const StripBox& box = task.box;
     for (int plane = 0; plane < box.planes; ++plane)
       for (int line = 0; line < box.lines; ++line) {
         const std::ptrdiff_t first = box.first + plane * box.plane + line * box.line;
-        for (int c = 0; c < box.columns; ++c) sweep_vector<W, Law, shared, with_energy>(view, first + c, seen);
+        for (int c = 0; c < box.columns; ++c)
+          if (scaled && view.classes[first + c])
+            sweep_vector<W, Law, true, with_energy>(view, first + c, seen);
+          else
+            sweep_vector<W, Law, false, with_energy>(view, first + c, seen);
       }
     task.lowest = task.highest = 0.0;
     for (int l = 0; l < W; ++l) {

@@ -1,6 +1,8 @@
 #include "pdx/pd/strip_part.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <map>
 
 // How a StripPart is laid out: all that is done once, and what follows from the bonds.
 namespace pdx::pd {
@@ -17,7 +19,8 @@ StripPart<Dim>::StripPart(LatticePart<Dim>& part, Kinematics kinematics, Process
   lay_arms();
   lay_tiles();
   lay_pieces();
-  lay_shares();
+  lay_ends();
+  lay_factors();
   take_over_words();
 }
 
@@ -53,7 +56,7 @@ template <int Dim> void StripPart<Dim>::lay_arms()
   blocks_.resize(vectors_ * StripView<Dim>::kParts * lanes_);
   ends_.resize(vectors_ * lanes_);
   for (std::size_t p = 0; 64 * p < arms_.size(); ++p) words_[p].resize(vectors_ * lanes_);
-  view_ = {blocks_.data(), {words_[0].data(), words_[1].data()}, nullptr, ends_.data(), arms_};
+  view_ = {blocks_.data(), {words_[0].data(), words_[1].data()}, nullptr, nullptr, ends_.data(), arms_};
 }
 
 template <int Dim> typename StripPart<Dim>::Spot StripPart<Dim>::spot(std::ptrdiff_t window) const
@@ -88,7 +91,6 @@ template <int Dim> void StripPart<Dim>::lay_tiles()
   tasks_.resize(total);
   for (StripTask& task : tasks_) task.series = Series::fifth;
   busy_.resize(total);
-  uneven_.resize(total);
 }
 
 template <int Dim> void StripPart<Dim>::lay_pieces()
@@ -112,35 +114,50 @@ template <int Dim> void StripPart<Dim>::lay_pieces()
   for (const std::ptrdiff_t at : part_.halo_at()) halo_.push_back({block(spot(at)), tile_of(spot(at))});
 }
 
-/// Shares and `ends` are read at neighbours too, so that their ghost columns are filled here once.
-template <int Dim> void StripPart<Dim>::lay_shares()
+/// `ends` are read at neighbours too, so that their ghost columns are filled here once.
+template <int Dim> void StripPart<Dim>::lay_ends()
 {
-  const double* share = part_.view({}).share;
-  if (share) {
-    share_.resize(vectors_ * lanes_);
-    view_.share = share_.data();
-    std::fill_n(share_.data(), vectors_ * lanes_, 1.0);
-    std::ptrdiff_t sites = part_.extent()[0];
-    for (std::size_t d = 1; d < Dim; ++d) sites *= extent_[d];
-    for (std::ptrdiff_t at = 0; at < sites; ++at) {
-      if (at % part_.extent()[0] >= extent_[0] || share[at] == 1.0) continue;
-      const Spot s = spot(at);
-      share_.data()[s.vector * lanes_ + s.lane] = share[at];
-      uneven_[static_cast<std::size_t>(tile_of(s))] = 1;
-    }
-    const std::vector<std::uint8_t> shared = around(uneven_);
-    for (std::size_t t = 0; t < tasks_.size(); ++t) tasks_[t].shared = shared[t];
-  }
   const std::ptrdiff_t lines = pitch_ && vectors_ ? (vectors_ - 1) / pitch_ : 0;
-  for (double* values : {ends_.data(), share ? share_.data() : nullptr})
-    for (std::ptrdiff_t line = 0; values && line < lines; ++line) {
-      double* first = values + (line * pitch_ + stencil_reach_) * lanes_;
-      for (std::ptrdiff_t c = 0; c < stencil_reach_; ++c)
-        for (std::ptrdiff_t l = 0; l + 1 < lanes_; ++l) {
-          first[(columns_ + c) * lanes_ + l] = first[c * lanes_ + l + 1];
-          first[(c - stencil_reach_) * lanes_ + l + 1] = first[(columns_ - stencil_reach_ + c) * lanes_ + l];
-        }
-    }
+  for (std::ptrdiff_t line = 0; line < lines; ++line) {
+    double* first = ends_.data() + (line * pitch_ + stencil_reach_) * lanes_;
+    for (std::ptrdiff_t c = 0; c < stencil_reach_; ++c)
+      for (std::ptrdiff_t l = 0; l + 1 < lanes_; ++l) {
+        first[(columns_ + c) * lanes_ + l] = first[c * lanes_ + l + 1];
+        first[(c - stencil_reach_) * lanes_ + l + 1] = first[(columns_ - stencil_reach_ + c) * lanes_ + l];
+      }
+  }
+}
+
+/// Vectors whose lanes are of the same classes are of one class.
+template <int Dim> void StripPart<Dim>::lay_factors()
+{
+  const BondView<Dim> from = part_.view({});
+  if (!from.classes || !vectors_) return;
+  std::vector<std::uint16_t> lanes(static_cast<std::size_t>(vectors_ * lanes_), 0);
+  std::ptrdiff_t sites = part_.extent()[0];
+  for (std::size_t d = 1; d < Dim; ++d) sites *= extent_[d];
+  for (std::ptrdiff_t at = 0; at < sites; ++at) {
+    if (at % part_.extent()[0] >= extent_[0] || !from.classes[at]) continue;
+    const Spot s = spot(at);
+    lanes[static_cast<std::size_t>(s.vector * lanes_ + s.lane)] = from.classes[at];
+    tasks_[static_cast<std::size_t>(tile_of(s))].scaled = true;
+  }
+  const auto width = static_cast<std::size_t>(lanes_);
+  std::map<std::vector<std::uint16_t>, std::uint16_t> known{{std::vector<std::uint16_t>(width, 0), 0}};
+  classes_.resize(static_cast<std::size_t>(vectors_));
+  for (std::size_t v = 0; v < classes_.size(); ++v) {
+    const auto first = lanes.begin() + static_cast<std::ptrdiff_t>(v * width);
+    if (known.size() > std::numeric_limits<std::uint16_t>::max())
+      throw std::logic_error("more classes of corrected bonds in lane strips than 65536");
+    classes_[v] = known.try_emplace({first, first + lanes_}, static_cast<std::uint16_t>(known.size())).first->second;
+  }
+  factors_.resize(static_cast<std::ptrdiff_t>(known.size() * arms_.size() * width));
+  for (const auto& [of_lanes, number] : known)
+    for (std::size_t h = 0; h < arms_.size(); ++h)
+      for (std::size_t l = 0; l < width; ++l)
+        factors_.data()[(number * arms_.size() + h) * width + l] = from.factors[of_lanes[l] * arms_.size() + h];
+  view_.classes = classes_.data();
+  view_.factors = factors_.data();
 }
 
 template <int Dim> void StripPart<Dim>::take_over_words()

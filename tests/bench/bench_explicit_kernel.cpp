@@ -47,7 +47,7 @@ template <int Dim> struct Body {
     options.micromodulus = law::Micromodulus::uniform;
     options.elastic = {192e9, law::required_poisson(Dim, law::Plane::stress), law::Plane::stress, 1.0};
     part = std::make_unique<pd::LatticePart<Dim>>(rows, lattice, pd::make_stencil<Dim>(options), sites, 0,
-                                                  pd::Exists<Dim>{});
+                                                  pd::SurfaceCorrection<Dim>());
     for (const Index site : sites) {
       const Vector<Dim> x = lattice.point(lattice.site(site));
       for (int d = 0; d < Dim; ++d) {

@@ -31,7 +31,7 @@ struct BarePatch {
     options.thickness = 0.5;
     options.elastic = {3.0, 1.0 / 3.0, law::Plane::stress, 0.5};
     parts.push_back(std::make_unique<pd::LatticePart<2>>(rows, lattice, pd::make_stencil<2>(options), std::move(sites),
-                                                         rows.first_particle(), pd::Exists<2>()));
+                                                         rows.first_particle(), pd::SurfaceCorrection<2>()));
   }
 
   const pd::LatticePart<2>& part() const { return *parts[0]; }

@@ -2,13 +2,15 @@
 #include "pdx/app/scene_options.hpp"
 #include "pdx/couple/surroundings.hpp"
 #include "pdx/pd/particles.hpp"
+#include "pdx/pd/side_weights.hpp"
 
 namespace pdx::app {
 /// Where the patches lie and of what they are made. For `-pd_patches all` the one patch is the body and its layers.
 struct PatchPlan {
   std::vector<couple::PatchShape> shapes;
   std::vector<pd::Stencil<2>> stencils;
-  geom::Box<2> body; ///< without layers [m]; of box meshes only
+  geom::Box<2> body;                                 ///< without layers [m]; of box meshes only
+  std::vector<std::optional<pd::SideWeights>> sides; ///< per patch: of the exact surface correction, where it is used
 };
 
 /// The lattice of particles in a box. Throws UserError for a spacing that does not fit, naming one that does.

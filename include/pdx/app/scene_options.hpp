@@ -12,7 +12,9 @@ namespace pdx::app {
 /// How strains are measured. small: linear bonds and elements. finite: finite-stretch bonds and St Venant-Kirchhoff
 /// elements. mixed: the papers' finite bonds with linear elements.
 enum class Kinematics { small, finite, mixed };
-enum class SurfaceCorrection { automatic, none, volume };
+/// Of bonds at free surfaces. exact: `pd::SideWeights`, in the plane only. volume: the papers'. automatic: exact where
+/// it can be, else by volume.
+enum class SurfaceCorrection { automatic, none, volume, exact };
 enum class PdOperator { automatic, matrix_free, assembled };
 
 /// What acts on a named part of the body: `-bc_NAME_...`. The third component is that of solids.

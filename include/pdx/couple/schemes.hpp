@@ -16,7 +16,6 @@ enum class Scheme { energy, ghost, interface };
 struct CouplingOptions {
   Scheme scheme = Scheme::energy;
   pd::Kinematics kinematics = pd::Kinematics::linear;
-  bool surface_correction = false;         ///< volume method on bonds that leave the patch
   const crack::CrackSet* cracks = nullptr; ///< bonds whose acting part they part carry nothing
   const crack::CrackSet* seams = nullptr;  ///< the same, where the mesh is parted
   std::span<const geom::Box<2>> no_fail;   ///< bonds with an end in one of them never break [m]

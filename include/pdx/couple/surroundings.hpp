@@ -16,19 +16,21 @@ struct PatchShape {
 /// A point carried by rows: displacement = sum of weight times row. Nodes of an element or of the edges at the border
 /// of a patch, and the enriched sets of those on the other side of a crack [XPD1 Eq. 14].
 struct Host {
-  std::array<PetscInt, 8> rows{-1, -1, -1, -1, -1, -1, -1, -1}; ///< global rows
-  std::array<double, 8> weights{};                              ///< those of nodes sum to 1
+  static constexpr std::size_t kRows = 16;
+  std::array<PetscInt, kRows> rows{};  ///< global; the first `count`
+  std::array<double, kRows> weights{}; ///< those of nodes sum to 1
   int count = 0;
   bool sided = false;  ///< a crack or seam enters there: moves with the side from which it is seen
   bool across = false; ///< moves, snapped, with the other side of a crack than it is on: bonds to it are cut
 
   /// Weights of the same rows where those of enriched sets hold the far half's w instead (`field::Tie`); sum to 1.
-  std::array<double, 8> tied{};
+  std::array<double, kRows> tied{};
 
   static Host of_row(PetscInt row);      ///< a row itself
   bool add(PetscInt row, double weight); ///< false if there is no room for another row
   /// Takes `weight` of a node that was added over to the other side of the crack: displacement + weight factor set.
   bool cross(PetscInt node, PetscInt set, double weight, double factor);
+  bool mix(const Host& other); ///< becomes the mean of both; false, and of no use, if there is no room
 };
 
 /// What lies around one patch, the same on every rank: the mesh edges of its interface and the lattice sites outside
@@ -57,7 +59,11 @@ public:
   /// lattice cells and edges do not match, the trace of the edges is averaged over the lattice cell along the side.
   /// `inward` goes along the bond into the patch; where a crack enters it, x moves with the side on which x + inward
   /// lies. Empty where no elements lie behind.
-  std::optional<Host> edge_host(const Vector<2>& x, const Vector<2>& inward) const;
+  /// @param zone  lattice cells beside the body's free sides whose trace is averaged as that of one: bonds with surface
+  /// factors share the tension out unevenly, but all in all as a uniform traction there
+  std::optional<Host> edge_host(const Vector<2>& x, const Vector<2>& inward, Index zone = 0) const;
+  /// True if no elements touch the side: left, right, bottom, top.
+  bool bare(std::size_t side) const { return sides_[side].empty(); }
   /// Length of the shortest interface edge, infinite if there is none [m].
   double shortest_edge() const;
   /// Box around the interface edges that have a row of [first, end), empty if there are none.
@@ -84,6 +90,8 @@ private:
   };
   explicit Surroundings(PatchShape shape, Index band);
   std::size_t position(const Site<2>& site) const;
+  void find_free_ends();
+  std::array<double, 2> zone_of(std::size_t side, double cell, Index zone) const;
   bool in_band(const Site<2>& site) const;
   /// What a survey looks at.
   struct Scene {
@@ -101,7 +109,8 @@ private:
   std::array<Index, 2> width_;
   std::vector<Index> where_; // per site of lattice and band: entry of hosts_ + 1, 0 = nothing there
   std::vector<Host> hosts_;
-  std::array<std::vector<Edge>, 4> sides_; // left, right, bottom, top; ascending
+  std::array<std::vector<Edge>, 4> sides_;        // left, right, bottom, top; ascending
+  std::array<std::array<bool, 2>, 4> free_end_{}; // the body ends where the side does, at its lower and upper end
   const crack::CrackSet *cracks_ = nullptr, *seams_ = nullptr;
 };
 } // namespace pdx::couple

@@ -24,13 +24,14 @@ template <int Dim> struct HalfArm {
 template <int Dim> struct BondView {
   std::array<const double*, Dim> u{};          ///< displacement per component, 0 on missing sites   [m]
   std::array<const std::uint64_t*, 2> words{}; ///< bit h % 64 of words[h / 64][i]: bond is there and intact
-  const double* share = nullptr;               ///< family-volume share q = V_i / V_0 per site [-]; the surface
-                                               ///< factor of a bond is 2 / (q_i + q_j); nullptr: 1 everywhere
+  const std::uint16_t* classes = nullptr;      ///< per site: which surface factors the bonds that start there have;
+                                               ///< 0: all 1; nullptr: 0 everywhere
+  const double* factors = nullptr;             ///< of class c and half arm h: entry c * arms + h             [-]
   std::span<const HalfArm<Dim>> arms;          ///< at most 128
 };
 
-/// whole: all 2 * arms bonds of every particle of the run are there with surface factor 1; words and share are not
-/// looked at. partial: they are.
+/// whole: all 2 * arms bonds of every particle of the run are there with surface factor 1; words and classes are
+/// not looked at. partial: they are.
 enum class RunKind { whole, partial };
 
 /// Contiguous particles of one lattice row.

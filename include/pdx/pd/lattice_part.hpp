@@ -6,21 +6,14 @@
 #include "pdx/pd/damage.hpp"
 #include "pdx/pd/site_directory.hpp"
 #include "pdx/pd/stencil.hpp"
+#include "pdx/pd/surface.hpp"
 
 #include <functional>
 #include <memory>
 
 namespace pdx::pd {
-/// True for a site, inside or outside the lattice, where the body has material that counts to a bond family.
-template <int Dim> using Exists = std::function<bool(const Site<Dim>&)>;
-
 /// Sites that kernels may read past the last particle of a row.
 inline constexpr Index kWindowPadding = 16;
-
-/// Largest step of a family member in any direction, bonds or not: the width of a complete neighbourhood in sites.
-template <int Dim> int family_reach(const Stencil<Dim>& stencil);
-/// Family volume of a site over that of a complete family [-]; 1 inside, less near a free surface.
-template <int Dim> double family_share(const Stencil<Dim>& stencil, const Site<Dim>& site, const Exists<Dim>& exists);
 
 /// A bond that broke: half arm `arm` of the site with window index `at`, at relative displacement eta = u_j - u_i [m].
 template <int Dim> struct LostBond {
@@ -36,9 +29,9 @@ template <int Dim> struct LostBond {
 template <int Dim> class LatticePart {
 public:
   /// @param sites   owned site numbers, ascending; their rows follow each other from local row `first_row`
-  /// @param exists  for the surface correction by the volume method; empty = no correction. Collective.
+  /// @param correction  of bonds near free surfaces; empty: none. Collective.
   LatticePart(const field::Rows& rows, geom::Lattice<Dim> lattice, Stencil<Dim> stencil, std::vector<Index> sites,
-              Index first_row, const Exists<Dim>& exists);
+              Index first_row, SurfaceCorrection<Dim> correction);
 
   const geom::Lattice<Dim>& lattice() const { return lattice_; }
   const Stencil<Dim>& stencil() const { return stencil_; }
@@ -74,8 +67,8 @@ public:
   std::span<const Run> force_runs() const { return fresh(force_runs_); } ///< whole only where no bond is missing
   /// whole where no bond was lost; neighbours that never were count as u = 0
   std::span<const Run> linear_runs() const { return fresh(linear_runs_); }
-  /// True if some bond of the patch, on whatever rank, has a surface correction factor.
-  bool corrected() const { return corrected_; }
+  /// How bonds near free surfaces are corrected, those that leave the patch too; may be empty.
+  const SurfaceCorrection<Dim>& correction() const { return correction_; }
 
   /// Bonds with an end in one of the boxes [m] never break; cracks still cut them. In 3-D boxes reach through.
   void protect(std::span<const geom::Box<2>> boxes);
@@ -126,7 +119,7 @@ private:
   bool has_bond(std::ptrdiff_t at, std::size_t arm) const;
   void place_window();
   void write_bond_words();
-  void write_shares(const Exists<Dim>& exists);
+  void write_classes();
   void collect_halo();
   void find_traits();
   void make_runs() const;
@@ -142,7 +135,7 @@ private:
   void note_losses();
   void note_loss(std::ptrdiff_t i, std::size_t h);
   void note_force(const LostBond<Dim>& bond, Kinematics kinematics, field::ForceLosses& losses) const;
-  double surface_factor(std::ptrdiff_t i, std::ptrdiff_t j) const;
+  double surface_factor(std::ptrdiff_t lower, std::size_t arm) const;
   double stretch(const Window& loaded, std::ptrdiff_t i, std::size_t h, Kinematics kinematics) const;
   double stretch(const Vector<Dim>& eta, std::size_t h, Kinematics kinematics) const;
   double energy_of(std::ptrdiff_t i, std::size_t h, double stretch) const;
@@ -171,9 +164,10 @@ private:
   std::vector<double> whole_volume_, start_volume_; // per owned particle; empty until bonds change [m^3]
   mutable std::vector<double> now_volume_;          // likewise, but of particles that lost bonds since; empty: unknown
   mutable std::vector<std::ptrdiff_t> thinned_;     // window indices of those, where now_volume_ is known
-  std::vector<double> share_;
-  bool corrected_ = false;        // alike on every rank, also on those without particles
-  std::vector<Index> local_rows_; // per window site: local row or -1
+  SurfaceCorrection<Dim> correction_;
+  std::vector<std::uint16_t> classes_; // per window site; empty: no bond of this rank has a surface factor
+  std::vector<double> factors_;        // per class and half arm [-]
+  std::vector<Index> local_rows_;      // per window site: local row or -1
   mutable std::vector<Run> force_runs_, linear_runs_;
   mutable bool runs_stale_ = true; // made when they are asked for
   std::vector<Run> segments_;
@@ -195,9 +189,9 @@ template <int Dim> bool LatticePart<Dim>::has_bond(std::ptrdiff_t at, std::size_
   return words_[arm / 64][static_cast<std::size_t>(at)] >> (arm % 64) & 1u;
 }
 
-template <int Dim> double LatticePart<Dim>::surface_factor(std::ptrdiff_t i, std::ptrdiff_t j) const
+template <int Dim> double LatticePart<Dim>::surface_factor(std::ptrdiff_t lower, std::size_t arm) const
 {
-  return share_.empty() ? 1.0 : 2.0 / (share_[static_cast<std::size_t>(i)] + share_[static_cast<std::size_t>(j)]);
+  return classes_.empty() ? 1.0 : factors_[classes_[static_cast<std::size_t>(lower)] * arms_.size() + arm];
 }
 
 template <int Dim> template <class Visit> void LatticePart<Dim>::for_each_bond(Index k, Visit&& visit) const
@@ -210,7 +204,7 @@ template <int Dim> template <class Visit> void LatticePart<Dim>::for_each_bond(I
       if (!has_bond(sign > 0 ? i : j, h)) continue;
       Site<Dim> other = site;
       for (std::size_t d = 0; d < Dim; ++d) other[d] += sign * stencil_.half[h].step[d];
-      visit(h, sign, other, surface_factor(i, j));
+      visit(h, sign, other, surface_factor(sign > 0 ? i : j, h));
     }
 }
 } // namespace pdx::pd

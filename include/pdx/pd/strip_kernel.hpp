@@ -23,8 +23,10 @@ template <int Dim> struct StripView {
   static constexpr int kParts = 2 * Dim;
   double* blocks = nullptr;
   std::array<const std::uint64_t*, 2> words{}; ///< bit h % 64 of words[h / 64][vector * W + lane]
-  const double* share = nullptr;               ///< family-volume share per vector and lane, if any           [-]
-  const double* ends = nullptr; ///< 1/2 for sites whose half of a bond's energy counts here, else 0            [-]
+  const std::uint16_t* classes = nullptr;      ///< per vector: which surface factors the bonds that start there have;
+                                               ///< 0: all 1; nullptr: 0 everywhere
+  const double* factors = nullptr; ///< of class c, half arm h and lane l: (c * arms + h) * W + l            [-]
+  const double* ends = nullptr;    ///< 1/2 for sites whose half of a bond's energy counts here, else 0            [-]
   std::span<const StripArm<Dim>> arms;
 };
 
@@ -61,7 +63,7 @@ template <int Dim> void clear_forces(Processor processor, double* blocks, const 
 struct StripTask {
   StripBox box;
   Series series = Series::none;
-  bool shared = false;  ///< some of its bonds have a surface factor
+  bool scaled = false;  ///< some of its bonds have a surface factor
   double lowest = 0.0;  ///< least e (finite) or s (linear) of its intact bonds, at most 0      [-]
   double highest = 0.0; ///< largest, at least 0                                                [-]
   double energy = 0.0;  ///< strain energy by ends, if asked for                                [J]

@@ -74,7 +74,8 @@ private:
   void lay_arms();
   void lay_tiles();
   void lay_pieces();
-  void lay_shares();
+  void lay_factors();
+  void lay_ends();
   void shrink_boxes();
   std::vector<std::uint8_t> around(const std::vector<std::uint8_t>& tiles) const;
   void load_piece(Piece& piece, const double* owned);
@@ -106,7 +107,8 @@ private:
   std::array<Index, Dim> tiles_{}, span_{}; // tiles per direction; lines of one (span_[0] is not used)
   std::vector<Index> column_ends_;          // of the column tiles
   std::vector<StripArm<Dim>> arms_;
-  Aligned<double> blocks_, share_, ends_;
+  Aligned<double> blocks_, ends_, factors_;
+  std::vector<std::uint16_t> classes_; // per vector; empty: no bond has a surface factor
   std::array<Aligned<std::uint64_t>, 2> words_;
   std::array<Aligned<std::uint64_t>, 2> breakable_; // words_ without protected bonds; empty if none is
   StripView<Dim> view_;
@@ -114,7 +116,6 @@ private:
   std::vector<HaloSite> halo_;
 
   std::vector<StripTask> tasks_;              // of all tiles; columns 0: no bonds
-  std::vector<std::uint8_t> uneven_;          // per tile: it has sites with a share
   std::vector<std::uint8_t> busy_, touched_;  // per tile: is displaced; may get forces
   std::vector<std::size_t> chosen_;           // tiles to compute, ascending
   std::vector<StripTask> chosen_tasks_;       // theirs

@@ -112,6 +112,52 @@ TEST(PatchTest, BondsOfTheContinuumFailByTheirModuli)
   EXPECT_GT(worst_error(options), 1e-3);
 }
 
+namespace {
+/// Pulled along x between held ends; bottom and perhaps top are free.
+app::SceneOptions bar(bool free_top)
+{
+  auto options = plate();
+  std::erase_if(options.conditions, [&](const auto& c) { return c.on == "bottom" || (free_top && c.on == "top"); });
+  return options;
+}
+double tension_error(const app::SceneOptions& options)
+{
+  const test::Option tight("-ksp_rtol", "1e-13");
+  const test::Field tension = test::affine(1e-3, 0.0, 0.0, -1e-3 / 3.0, {2e-4, 1e-4});
+  test::Scene scene(options);
+  scene.prescribe(tension);
+  return scene.max_error(scene.solve().get(), tension);
+}
+const geom::Box<2> kAtTheBottom{{0.25, 0.0}, {0.75, 0.5}}, kFromBottomToTop{{0.25, 0.0}, {0.75, 1.0}};
+} // namespace
+
+// Elements of 1, 2, 2.5, 4.5 and 5 spacings.
+TEST(PatchTest, APatchAtAFreeSideIsExactInTensionAlongIt)
+{
+  for (const double spacings : {1.0, 2.0, 2.5, 4.5, 5.0}) {
+    EXPECT_LE(tension_error(test::with_patch(bar(false), kAtTheBottom, 0.0625 / spacings)), kExact) << spacings;
+    EXPECT_LE(tension_error(test::with_patch(bar(true), kFromBottomToTop, 0.0625 / spacings)), kExact) << spacings;
+  }
+}
+
+TEST(PatchTest, AFreeSideIsExactWithOtherBonds)
+{
+  for (const double ratio : {3.0, 6.0})
+    for (const auto micromodulus : {law::Micromodulus::conical, law::Micromodulus::uniform}) {
+      auto options = test::with_patch(bar(false), kAtTheBottom, 1.0 / 48);
+      options.pd.horizon_ratio = ratio;
+      options.pd.micromodulus = micromodulus;
+      EXPECT_LE(tension_error(options), kExact) << ratio;
+    }
+}
+
+TEST(PatchTest, TheVolumeMethodFailsAtAFreeSide)
+{
+  auto options = test::with_patch(bar(false), kAtTheBottom, 1.0 / 48);
+  options.pd.surface_correction = app::SurfaceCorrection::volume;
+  EXPECT_GT(tension_error(options), 1e-3);
+}
+
 // The geometry of [XPD1 Sec. 3.2]: the papers' scheme fails by 0.32 %.
 TEST(PatchTest, GhostSchemeFailsByAThirdOfAPercent)
 {

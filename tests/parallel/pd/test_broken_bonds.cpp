@@ -69,7 +69,8 @@ struct Patch {
       if (owner(site) == rank()) sites.push_back(site);
     rows = field::Rows::number(PETSC_COMM_WORLD, 2, 1 + rank(), 0, static_cast<Index>(sites.size()));
     std::vector<std::unique_ptr<pd::LatticePart<2>>> parts;
-    parts.push_back(std::make_unique<pd::LatticePart<2>>(rows, lattice(), arms, sites, 1 + rank(), exists));
+    parts.push_back(std::make_unique<pd::LatticePart<2>>(rows, lattice(), arms, sites, 1 + rank(),
+                                                         exists ? pd::correct_volumes<2>(arms, exists) : nullptr));
     term = std::make_unique<pd::BondTerm<2>>(std::move(parts), kinematics, assembled);
     std::vector<PetscInt> needed;
     term->needed_rows(needed);

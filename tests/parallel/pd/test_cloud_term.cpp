@@ -130,7 +130,7 @@ template <int Dim> void expect_lattice_answers(const Site<Dim>& count, Kinematic
   parts.push_back(std::make_unique<pd::LatticePart<Dim>>(
       d.system.rows, lattice,
       pd::make_stencil<Dim>({kDx, kThickness, how.horizon, how.micromodulus, pd::Calibration::continuum, how.elastic}),
-      d.mine, 0, pd::Exists<Dim>{}));
+      d.mine, 0, pd::SurfaceCorrection<Dim>()));
   pd::BondTerm<Dim> reference(std::move(parts), kinematics, false);
   const field::RowHalo none(d.system.rows, {});
   reference.bind(none);

@@ -32,7 +32,7 @@ template <int Dim> struct Both {
     for (Index k = 0; k < lattice.total(); ++k) sites.push_back(k);
     const field::Rows rows = field::Rows::number(PETSC_COMM_SELF, 0, 0, 0, static_cast<Index>(sites.size()));
     part = std::make_unique<pd::LatticePart<Dim>>(rows, lattice, pd::make_stencil<Dim>(options), sites, 0,
-                                                  pd::Exists<Dim>{});
+                                                  pd::SurfaceCorrection<Dim>());
     for (const Index site : sites) {
       cloud.points.push_back(lattice.point(lattice.site(site)));
       cloud.volumes.push_back(part->stencil().volume());

@@ -44,7 +44,7 @@ struct Share {
     const Index nodes = 2 + rank();
     rows = field::Rows::number(PETSC_COMM_WORLD, 2, nodes, 0, static_cast<Index>(sites.size()));
     part = std::make_unique<pd::LatticePart<2>>(rows, lattice(), pd::make_stencil<2>(stencil_options(ratio)), sites,
-                                                nodes, pd::Exists<2>());
+                                                nodes, pd::SurfaceCorrection<2>());
     u.assign(static_cast<std::size_t>(2 * nodes), -1e6);
     for (const Index site : sites)
       for (Index a = 0; a < 2; ++a) u.push_back(value(site, a));
@@ -192,8 +192,8 @@ TEST(FamilyShare, WeighsTheBondsOfAnIrregularPartition)
   const geom::Lattice<2> grid = lattice();
   const pd::Exists<2> exists = [&](const Site<2>& site) { return grid.contains(site); };
   const pd::LatticePart<2> part(share.rows, grid, pd::make_stencil<2>(options), share.sites,
-                                share.rows.first_particle(), exists);
-  EXPECT_TRUE(part.corrected());
+                                share.rows.first_particle(),
+                                pd::correct_volumes<2>(pd::make_stencil<2>(options), exists));
   const auto q = [](const Site<2>& s) {
     const bool edge_x = s[0] == 0 || s[0] == kWide - 1, edge_y = s[1] == 0 || s[1] == kHigh - 1;
     const bool next_x = s[0] == 1 || s[0] == kWide - 2, next_y = s[1] == 1 || s[1] == kHigh - 2;

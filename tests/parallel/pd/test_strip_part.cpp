@@ -69,11 +69,13 @@ template <int Dim> struct Patch {
     for (Index site = 0; site < lattice.total(); ++site)
       if (owner(lattice, site) == rank()) sites.push_back(site);
     rows = field::Rows::number(PETSC_COMM_WORLD, 2, 1 + rank(), 0, static_cast<Index>(sites.size()));
-    pd::Exists<Dim> exists;
-    if (o.shares) exists = [this](const Site<Dim>& site) { return lattice.contains(site); };
+    pd::SurfaceCorrection<Dim> correction;
+    if (o.shares)
+      correction = pd::correct_volumes<Dim>(pd::make_stencil<Dim>(options),
+                                            [this](const Site<Dim>& site) { return lattice.contains(site); });
     std::vector<std::unique_ptr<pd::LatticePart<Dim>>> parts;
     parts.push_back(std::make_unique<pd::LatticePart<Dim>>(rows, lattice, pd::make_stencil<Dim>(options), sites,
-                                                           1 + rank(), exists));
+                                                           1 + rank(), correction));
     part = parts.front().get();
     term = std::make_unique<pd::BondTerm<Dim>>(std::move(parts), o.kinematics, false);
     std::vector<PetscInt> none;

@@ -21,7 +21,7 @@ struct Scene {
 const Scene kScenes[] = {
     {"plate", 2, {3.0}},
     {"plate with cracks", 2, {.ratio = 4.0, .broken = 0.3}},
-    {"plate with holes and shares", 2, {.ratio = 3.015, .missing = 0.1, .broken = 0.1, .shares = true}},
+    {"plate with holes and factors", 2, {.ratio = 3.015, .missing = 0.1, .broken = 0.1, .factors = true}},
     {"two words", 2, {6.5, Micromodulus::uniform, 0.05, 0.3, false}},
     {"solid", 3, {.ratio = 3.0, .missing = 0.1, .broken = 0.3}},
     {"two words in a solid, shares", 3, {3.015, Micromodulus::uniform, 0.05, 0.2, true}}};

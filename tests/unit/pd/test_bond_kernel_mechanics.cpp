@@ -15,7 +15,7 @@ using Rows = std::vector<double>;
 
 const Window<2>& plate()
 {
-  static const Window<2> window({40, 14}, {.ratio = 3.015, .missing = 0.1, .broken = 0.2, .shares = true});
+  static const Window<2> window({40, 14}, {.ratio = 3.015, .missing = 0.1, .broken = 0.2, .factors = true});
   return window;
 }
 const Window<3>& solid()

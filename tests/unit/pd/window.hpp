@@ -14,7 +14,7 @@ struct WindowOptions {
   law::Micromodulus micromodulus = law::Micromodulus::conical;
   double missing = 0.0; ///< part of the sites that have no particle, in the right third of the window
   double broken = 0.0;  ///< part of the bonds that are broken, in the right third of the window
-  bool shares = false;  ///< family-volume shares in [0.5, 1] in the right third of the window, 1 elsewhere
+  bool factors = false; ///< surface factors in [0.5, 2] in the right third of the window, 1 elsewhere
 };
 
 /// Row of an interleaved vector.
@@ -42,7 +42,8 @@ template <int Dim> struct Window {
   geom::Lattice<Dim> sites; ///< padding included
   std::vector<pd::HalfArm<Dim>> arms;
   std::array<std::vector<std::uint64_t>, 2> words;
-  std::vector<double> share;
+  std::vector<std::uint16_t> classes;
+  std::vector<double> factors;
   std::vector<std::ptrdiff_t> particles; ///< window index per row
   std::vector<Index> row;                ///< row per window index, -1: no particle
   std::vector<Pair> pairs;
@@ -54,9 +55,10 @@ template <int Dim> struct Window {
     stencil = pd::make_stencil<Dim>({kDx, 1.0, o.ratio * kDx, o.micromodulus, pd::Calibration::lattice, elastic});
     sites.dx = kDx;
     for (int d = 0; d < Dim; ++d) sites.count[d] = count[d] + 2 * stencil.reach + (d == 0 ? 16 : 0);
+    if (o.factors) draw_factors();
     place_particles(count, o);
     break_bonds(o);
-    find_pairs(o.shares);
+    find_pairs();
     find_runs();
   }
 
@@ -77,7 +79,8 @@ template <int Dim> struct Window {
     pd::BondView<Dim> v;
     for (int d = 0; d < Dim; ++d) v.u[d] = u[d].data();
     v.words = {words[0].data(), words[1].data()};
-    v.share = share.empty() ? nullptr : share.data();
+    v.classes = classes.empty() ? nullptr : classes.data();
+    v.factors = factors.data();
     v.arms = arms;
     return v;
   }
@@ -95,11 +98,18 @@ private:
   double chance() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
   bool at_right(std::ptrdiff_t index) const { return 3 * sites.site(index)[0] > 2 * (sites.count[0] - 16); }
 
+  static constexpr std::uint16_t kClasses = 9; // 0: factors 1; the last one: of no particle
+  void draw_factors()
+  {
+    factors.assign(stencil.half.size(), 1.0);
+    while (factors.size() < kClasses * stencil.half.size()) factors.push_back(0.5 + 1.5 * chance());
+    factors.resize(factors.size() + stencil.half.size(), kNone);
+    classes.assign(static_cast<std::size_t>(sites.total()), kClasses);
+  }
   void place_particles(const Site<Dim>& count, const WindowOptions& o)
   {
     const std::size_t size = static_cast<std::size_t>(sites.total());
     row.assign(size, -1);
-    if (o.shares) share.assign(size, kNone);
     for (std::size_t index = 0; index < size; ++index) {
       Site<Dim> s = sites.site(static_cast<std::int64_t>(index));
       bool inside = true;
@@ -107,7 +117,7 @@ private:
       if (!inside || (at_right(index) && chance() < o.missing)) continue;
       row[index] = rows();
       particles.push_back(static_cast<std::ptrdiff_t>(index));
-      if (o.shares) share[index] = at_right(index) ? 0.5 + 0.5 * chance() : 1.0;
+      if (o.factors) classes[index] = at_right(index) ? static_cast<std::uint16_t>(kClasses * chance()) : 0;
     }
   }
   void break_bonds(const WindowOptions& o)
@@ -122,7 +132,7 @@ private:
           words[h / 64][i] |= std::uint64_t{1} << (h % 64);
     }
   }
-  void find_pairs(bool shares)
+  void find_pairs()
   {
     std::vector<Site<Dim>> site;
     for (const std::ptrdiff_t index : particles) site.push_back(sites.site(index));
@@ -133,7 +143,7 @@ private:
           bool joined = true;
           for (int d = 0; d < Dim; ++d) joined = joined && b[d] - a[d] == stencil.half[h].step[d];
           if (!joined || !(words[h / 64][particles[i]] >> (h % 64) & 1)) continue;
-          const double factor = shares ? 2.0 / (share[particles[i]] + share[particles[j]]) : 1.0;
+          const double factor = classes.empty() ? 1.0 : factors[classes[particles[i]] * arms.size() + h];
           pairs.push_back({i, j, sites.point(b) - sites.point(a), stencil.half[h].kappa, factor});
         }
       }

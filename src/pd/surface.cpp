@@ -1,0 +1,250 @@
+#include "pdx/pd/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+
+namespace pdx::pd {
+namespace {
+template <int Dim> Site<Dim> shifted(Site<Dim> site, const Site<Dim>& step, Index times)
+{
+  for (std::size_t d = 0; d < Dim; ++d) site[d] += times * step[d];
+  return site;
+}
+
+/// A number for every site of a box, `initial` outside.
+template <int Dim, class T> class SiteMap {
+public:
+  SiteMap(Site<Dim> lower, const Site<Dim>& extent, Index margin, T initial) : initial_(initial)
+  {
+    std::size_t size = 1;
+    for (std::size_t d = 0; d < Dim; ++d) {
+      lower_[d] = lower[d] - margin;
+      extent_[d] = extent[d] > 0 ? extent[d] + 2 * margin : 0;
+      size *= static_cast<std::size_t>(extent_[d]);
+    }
+    values_.assign(size, initial);
+  }
+  bool holds(const Site<Dim>& site) const
+  {
+    for (std::size_t d = 0; d < Dim; ++d)
+      if (site[d] < lower_[d] || site[d] >= lower_[d] + extent_[d]) return false;
+    return true;
+  }
+  T& operator[](const Site<Dim>& site) { return values_[place(site)]; }
+  T at(const Site<Dim>& site) const { return holds(site) ? values_[place(site)] : initial_; }
+  template <class Visit> void for_each(Visit&& visit)
+  {
+    Site<Dim> site = lower_;
+    for (T& value : values_) {
+      visit(site, value);
+      for (std::size_t d = 0; d < Dim; ++d) {
+        if (++site[d] < lower_[d] + extent_[d]) break;
+        site[d] = lower_[d];
+      }
+    }
+  }
+
+private:
+  std::size_t place(const Site<Dim>& site) const
+  {
+    std::size_t at = 0;
+    for (std::size_t d = Dim; d-- > 0;)
+      at = at * static_cast<std::size_t>(extent_[d]) + static_cast<std::size_t>(site[d] - lower_[d]);
+    return at;
+  }
+  Site<Dim> lower_{}, extent_{};
+  T initial_;
+  std::vector<T> values_;
+};
+
+/// Rows from a window's sites to the free sides around them.
+class Sides {
+public:
+  /// Down, up, left, right.
+  static constexpr std::size_t kWays = 4;
+
+  Sides(const Exists<2>& exists, const crack::CrackSet* cracks, int reach, const WindowSites<2>& window)
+      : reach_(static_cast<std::uint8_t>(reach)), lattice_(window.lattice), cracks_(cracks),
+        there_(window.lower, window.extent, 2 * reach, 0), depth_{Map(window.lower, window.extent, 2 * reach, reach_),
+                                                                  Map(window.lower, window.extent, 2 * reach, reach_),
+                                                                  Map(window.lower, window.extent, 2 * reach, reach_),
+                                                                  Map(window.lower, window.extent, 2 * reach, reach_)},
+        straight_(depth_)
+  {
+    there_.for_each([&](const Site<2>& site, std::uint8_t& there) { there = inside(site) || exists(site); });
+    for (std::size_t way = 0; way < kWays; ++way) {
+      depth_[way].for_each([&](const Site<2>& site, std::uint8_t& depth) { depth = look(site, way); });
+      straight_[way].for_each([&](const Site<2>& site, std::uint8_t& depth) { depth = straighten(site, way); });
+    }
+  }
+
+  /// Rows between the site and the straight side that way, `reach` where there is none so near.
+  int rows(const Site<2>& site, std::size_t way) const { return straight_[way].at(site); }
+
+private:
+  using Map = SiteMap<2, std::uint8_t>;
+  static Site<2> step(std::size_t way) { return std::array<Site<2>, 4>{{{0, -1}, {0, 1}, {-1, 0}, {1, 0}}}[way]; }
+
+  /// May one go from a site to the next that way?
+  bool open(const Site<2>& site, std::size_t way) const
+  {
+    const Site<2> next = shifted<2>(site, step(way), 1);
+    if (!there_.holds(next)) return true; // nobody asks what is so far away
+    if (!there_.at(next)) return false;
+    if (!cracks_ || cracks_->empty()) return true;
+    const Vector<2> x = lattice_.point(site);
+    return !cracks_->near(x, lattice_.dx) || !cracks_->cuts(x, lattice_.point(next));
+  }
+
+  /// Is the site so far inside that no side is near?
+  bool inside(const Site<2>& site) const
+  {
+    for (std::size_t d = 0; d < 2; ++d)
+      if (site[d] < reach_ || site[d] >= lattice_.count[d] - reach_) return false;
+    return !cracks_ || !cracks_->near(lattice_.point(site), (reach_ + 1) * lattice_.dx);
+  }
+
+  std::uint8_t look(Site<2> site, std::size_t way) const
+  {
+    if (inside(site) || !there_.at(site)) return reach_;
+    for (std::uint8_t rows = 0; rows < reach_; ++rows, site = shifted<2>(site, step(way), 1))
+      if (!open(site, way)) return rows;
+    return reach_;
+  }
+
+  std::uint8_t straighten(const Site<2>& site, std::size_t way) const
+  {
+    const std::uint8_t depth = depth_[way].at(site);
+    if (depth == reach_) return reach_;
+    for (const std::size_t along : way < 2 ? std::array<std::size_t, 2>{2, 3} : std::array<std::size_t, 2>{0, 1}) {
+      Site<2> next = site;
+      for (int k = 0; k < reach_ && open(next, along); ++k) {
+        next = shifted<2>(next, step(along), 1);
+        if (depth_[way].at(next) != depth) return reach_;
+      }
+    }
+    return depth;
+  }
+
+  std::uint8_t reach_;
+  geom::Lattice<2> lattice_;
+  const crack::CrackSet* cracks_;
+  Map there_;
+  std::array<Map, kWays> depth_, straight_;
+};
+
+/// The factor that the sides on one way give to the bond from i to j, which spans `across` rows that way. Ends in one
+/// row see the same side, unless it ends between them.
+double towards(const SideWeights& weights, const Sides& sides, std::size_t way, const Site<2>& nearer,
+               const Site<2>& further, int along, int across)
+{
+  const double factor = weights.at(sides.rows(nearer, way), along, across);
+  return across ? factor : 0.5 * (factor + weights.at(sides.rows(further, way), along, across));
+}
+} // namespace
+
+template <int Dim> int family_reach(const Stencil<Dim>& stencil)
+{
+  int reach = 0;
+  for (const auto* arms : {&stencil.half, &stencil.mute})
+    for (const Arm<Dim>& arm : *arms)
+      for (const Index step : arm.step) reach = std::max(reach, std::abs(step));
+  return reach;
+}
+
+template <int Dim> double family_share(const Stencil<Dim>& stencil, const Site<Dim>& site, const Exists<Dim>& exists)
+{
+  double missing = 0.0;
+  for (const auto* arms : {&stencil.half, &stencil.mute})
+    for (const Arm<Dim>& arm : *arms)
+      for (const Index sign : {1, -1})
+        if (!exists(shifted<Dim>(site, arm.step, sign))) missing += arm.volume_share;
+  return 1.0 - missing * stencil.volume() / stencil.family_volume_full();
+}
+
+namespace {
+/// Family shares, worked out when they are asked for.
+template <int Dim> class Shares {
+public:
+  Shares(const Stencil<Dim>& stencil, Exists<Dim> exists, const WindowSites<Dim>& window)
+      : stencil_(stencil), exists_(std::move(exists)), lattice_(window.lattice), family_(family_reach(stencil)),
+        known_(window.lower, window.extent, stencil.reach, std::numeric_limits<double>::quiet_NaN())
+  {}
+  double of(const Site<Dim>& site)
+  {
+    if (inside(site, family_)) return 1.0;
+    if (!known_.holds(site)) return family_share<Dim>(stencil_, site, exists_);
+    double& share = known_[site];
+    if (std::isnan(share)) share = family_share<Dim>(stencil_, site, exists_);
+    return share;
+  }
+  double factor(const Site<Dim>& lower, std::size_t arm)
+  {
+    return 2.0 / (of(lower) + of(shifted<Dim>(lower, stencil_.half[arm].step, 1)));
+  }
+  /// Are all sites within `width` sites of the lattice?
+  bool inside(const Site<Dim>& site, Index width) const
+  {
+    for (std::size_t d = 0; d < Dim; ++d)
+      if (site[d] < width || site[d] >= lattice_.count[d] - width) return false;
+    return true;
+  }
+
+private:
+  const Stencil<Dim>& stencil_;
+  Exists<Dim> exists_;
+  geom::Lattice<Dim> lattice_;
+  int family_;
+  SiteMap<Dim, double> known_;
+};
+} // namespace
+
+template <int Dim> SurfaceCorrection<Dim> correct_volumes(Stencil<Dim> stencil, Exists<Dim> exists)
+{
+  const auto shared = std::make_shared<const Stencil<Dim>>(std::move(stencil));
+  return [shared, exists = std::move(exists)](const WindowSites<Dim>& window) {
+    const auto shares = std::make_shared<Shares<Dim>>(*shared, exists, window);
+    BondFactors<Dim> factors;
+    factors.of = [shared, shares](const Site<Dim>& lower, std::size_t arm) { return shares->factor(lower, arm); };
+    factors.any = [shares, width = family_reach(*shared) + shared->reach](const Site<Dim>& lower) {
+      return !shares->inside(lower, width);
+    };
+    return factors;
+  };
+}
+
+SurfaceCorrection<2> correct_sides(Stencil<2> stencil, SideWeights weights, Exists<2> exists,
+                                   const crack::CrackSet* cracks)
+{
+  return [stencil = std::move(stencil), weights = std::move(weights), exists = std::move(exists),
+          cracks](const WindowSites<2>& window) {
+    auto sides = std::make_shared<Sides>(exists, cracks, stencil.reach, window);
+    BondFactors<2> factors;
+    factors.even_over = 2 * stencil.reach;
+    factors.of = [sides, weights, arms = stencil.half](const Site<2>& lower, std::size_t arm) {
+      const Site<2>& step = arms[arm].step;
+      const Site<2> upper = shifted<2>(lower, step, 1);
+      const int dx = std::abs(step[0]), dy = step[1];
+      const Site<2>&left = step[0] < 0 ? upper : lower, &right = step[0] < 0 ? lower : upper;
+      return towards(weights, *sides, 0, lower, upper, dx, dy) * towards(weights, *sides, 1, upper, lower, dx, dy) *
+             towards(weights, *sides, 2, left, right, dy, dx) * towards(weights, *sides, 3, right, left, dy, dx);
+    };
+    factors.any = [lattice = window.lattice, cracks, width = 2 * stencil.reach](const Site<2>& lower) {
+      for (std::size_t d = 0; d < 2; ++d)
+        if (lower[d] < width || lower[d] >= lattice.count[d] - width) return true;
+      return cracks && cracks->near(lattice.point(lower), (width + 1) * lattice.dx);
+    };
+    return factors;
+  };
+}
+
+template int family_reach<2>(const Stencil<2>&);
+template int family_reach<3>(const Stencil<3>&);
+template double family_share<2>(const Stencil<2>&, const Site<2>&, const Exists<2>&);
+template double family_share<3>(const Stencil<3>&, const Site<3>&, const Exists<3>&);
+template SurfaceCorrection<2> correct_volumes<2>(Stencil<2>, Exists<2>);
+template SurfaceCorrection<3> correct_volumes<3>(Stencil<3>, Exists<3>);
+} // namespace pdx::pd
