@@ -1,5 +1,6 @@
 #include "pdx/io/run_lock.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -116,7 +117,7 @@ RunLock::RunLock(MPI_Comm comm, const std::filesystem::path& directory)
   MPI_Comm_rank(comm, &rank);
   settle(comm, rank == 0 ? take() : Fault{});
   const std::string path = path_.string();
-  if (path.size() < held.size()) std::strcpy(held.data(), path.c_str());
+  if (path.size() < held.size()) *std::copy(path.begin(), path.end(), held.begin()) = '\0';
   if (rank) return;
   sigset_t all, before;
   sigfillset(&all);
