@@ -267,6 +267,8 @@ def main():
 
         before = inputs.good("before", seeds.BEFORE_RESTART)
         faults = [(case, wrong or f"status {status}") for case, wrong, status in run([before]) if wrong or status]
+        if faults:
+            raise SystemExit(f"fuzz: the scene before the restart is right, but ends with {faults[0][1]}")
         shutil.copy(before.directory / "out" / "checkpoint.h5", scratch)
         if not arguments.kind:
             right = [inputs.good(scene) for scene in seeds.SCENES]
