@@ -3,8 +3,8 @@
 
 #include <petscdmplex.h>
 
-/// Where PETSc's versions differ, nowhere else: tested with 3.18 and 3.22. The form of a function is asked of its type,
-/// not of a version number, so that what lies between needs no word.
+/// Where PETSc's versions differ, nowhere else: 3.18 is tested, 3.22 provided for. The form of a function is asked of
+/// its type, not of a version number, so that what lies between needs no word.
 namespace pdx {
 namespace detail {
 using BoxMesh318 = PetscErrorCode (*)(MPI_Comm, PetscInt, PetscBool, const PetscInt[], const PetscReal[],

@@ -188,7 +188,7 @@ struct Couple {
   std::array<double, 4> force() const
   {
     std::array<double, 4> r{};
-    pd::add_force<2>({{ux.data(), uy.data()}, {bits.data(), none.data()}, nullptr, {&arm, 1}}, {&run, 1},
+    pd::add_force<2>({{ux.data(), uy.data()}, {bits.data(), none.data()}, nullptr, nullptr, {&arm, 1}}, {&run, 1},
                      Kinematics::finite, r.data());
     return r;
   }
