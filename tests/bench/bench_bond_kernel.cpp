@@ -40,7 +40,7 @@ struct Square {
   }
   pd::BondView<2> view() const
   {
-    return {{u[0].data(), u[1].data()}, {words[0].data(), words[1].data()}, nullptr, arms};
+    return {{u[0].data(), u[1].data()}, {words[0].data(), words[1].data()}, nullptr, nullptr, arms};
   }
   std::int64_t bonds() const { return std::int64_t{2} * kSide * kSide * static_cast<std::int64_t>(arms.size()); }
 };
