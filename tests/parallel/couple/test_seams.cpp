@@ -96,7 +96,7 @@ TEST(Seams, PartsMoveRigidlyWithoutForce)
                                       : x[0] > 0.5 ? 1
                                                    : 0; },
       [](const Vector<2>& x) { return (x[1] > 0.4 ? 2 : 0) + (x[0] > 0.4 ? 1 : 0); },
-      [](const Vector<2>& x) { return (x - Vector<2>(0.5, 0.5)).cwiseAbs().maxCoeff() < 0.15 ? 1 : 0; }}; // an island
+      [](const Vector<2>& x) { return (x - Vector<2>(0.5, 0.5)).cwiseAbs().maxCoeff() < 0.2 ? 1 : 0; }}; // an island
   const std::vector<test::Field> fields = {
       test::affine(0.0, -0.5, 0.5, 0.0), test::affine(0.0, 0.3, -0.3, 0.0, {0.2, 0.1}),
       test::affine(0.0, 0.0, 0.0, 0.0, {-0.4, 0.7}), test::affine(0.0, 0.7, -0.7, 0.0)};

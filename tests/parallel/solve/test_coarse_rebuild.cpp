@@ -89,7 +89,7 @@ Solved solve_strip(bool growing)
   field::System& system = scene.system();
   std::vector<test::Spring> springs;
   for (Index row = 0; row < scene.rows().owned(); ++row)
-    if (scene.place(row).x() > 0.9) springs.push_back({row, {1.0, 0.0}, 0.001, 5e-3});
+    if (scene.place(row).x() > 0.9) springs.push_back({row, {1.0, 0.0}, 0.01, 5e-3});
   system.terms.push_back(std::make_unique<test::Springs>(springs));
   system.after.push_back(std::make_unique<test::SpringBreaker>(springs, scene.rows().comm));
   if (growing) system.coarse = std::make_unique<GrowingCoarse>(std::move(system.coarse));

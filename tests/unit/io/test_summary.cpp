@@ -1,6 +1,6 @@
 #include "pdx/io/summary.hpp"
 
-#include "pdx/base/error.hpp"
+#include "pdx/base/machine_failure.hpp"
 #include "support/scratch_directory.hpp"
 
 #include <fstream>
@@ -85,7 +85,7 @@ TEST(Summary, ReplacesAnOlderFileAndLeavesNothingElse)
 
 TEST(Summary, UnwritablePathIsReported)
 {
-  EXPECT_THROW(pdx::io::write_summary(PETSC_COMM_WORLD, "/dev/null/summary.json", Summary{}), pdx::SolverFailure);
+  EXPECT_THROW(pdx::io::write_summary(PETSC_COMM_WORLD, "/dev/null/summary.json", Summary{}), pdx::MachineFailure);
 }
 
 TEST(Memory, PeakIsAtLeastWhatIsResidentNow)
