@@ -101,4 +101,9 @@ int LastWords::end()
   }
   return kStatus;
 }
+
+void LastWords::spare()
+{
+  if (!said && ranks != MPI_COMM_NULL) MPI_Comm_free(&ranks);
+}
 } // namespace pdx::app

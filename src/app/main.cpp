@@ -103,6 +103,7 @@ int run_program(const pdx::app::Arguments& arguments)
     pdx::app::run(PETSC_COMM_WORLD, begin);
   });
   const std::string late = end_petsc();
+  pdx::app::LastWords::spare();
   return late.empty() ? code : report_alone(late, code == done ? user_error : static_cast<Exit>(code));
 }
 } // namespace

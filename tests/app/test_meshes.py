@@ -103,6 +103,7 @@ class Parts(Meshes):
             for change in (free, free | {"-bc_t_displacement": "1e-3,free"}):
                 self.refused(PULLED | mesh | change, "from (0, 0.5) to (1, 1) m", "slide along")
             self.energy(PULLED | mesh)  # either part is held
+        mesh = {"-mesh_file": self.mesh(8, lambda x: True, None)}
         patch = {"-pd_patches": "0.25,0.25,0.75,0.75", "-pd_spacing": "0.0625"}
         self.refused(PULLED | mesh | free | patch, "slide along x")
 

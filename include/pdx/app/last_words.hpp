@@ -14,5 +14,7 @@ public:
   static bool say(const std::string& why);
   /// Exit status 3 if every rank has said its last words; else ends all of them and does not return.
   static int end();
+  /// Gives back what `prepare` took, where nobody had to speak. Collective.
+  static void spare();
 };
 } // namespace pdx::app
