@@ -210,7 +210,7 @@ void LooseParts::tie(Ties& ties, bool thoroughly) const
 
 std::optional<LoosePart> LooseParts::find(Index debris) const
 {
-  static Event event("couple_parts");
+  static Event event("support_parts");
   Timed timed(event);
   for (const bool thoroughly : {false, true}) {
     Ties ties(system_.rows);
