@@ -33,8 +33,9 @@ RELEASE_TOLERANCE = 1e-3  # J against -dPi/da with the tip moved by a spacing, r
 # The sum over a contour is a conservation law of the lattice: what is left is the tolerance of the solver. The issue
 # asks for 5e-4, the paper has 1.06e-2.
 SPREAD = 1e-6
-# Faces have no surface factors close behind the tip: with particles alone the 4 mm contour crosses where they end.
-SPREAD_OF = {"pd_only": 1e-4}
+# Faces have no surface factors close behind the tip. At this spacing the smallest contour, 8 spacings from the tip,
+# crosses where they end, and differs from the others by so much at most.
+SMALLEST_OFF = {"coarse": 1e-4, "pd_only": 1e-4}
 # J in the elements around the patch against J in the patch, and work of the loads, relative. The papers' border of
 # ghosts is not quite a conservation law.
 DOMAIN_TOLERANCE = {"coarse": 3e-4, "fine": 3e-4, "paper": 3e-3}
@@ -72,9 +73,11 @@ class Check(case_check.Check):
         error = 100 * (j / REFERENCE - 1)
         self.expect(low <= j <= high, f"J {j:.5f} J/m^2 ({error:+.3f} %), wanted {low:.4f} ... {high:.4f}")
         values = [value for _, value in results["j_by_contour"]]
+        if variant in SMALLEST_OFF:
+            smallest = values.pop(0)
+            self.expect_near("J of the smallest contour", smallest, values[0], SMALLEST_OFF[variant])
         spread = max(values) / min(values) - 1
-        most = SPREAD_OF.get(variant, SPREAD)
-        self.expect(spread <= most, f"spread over {len(values)} contours {100 * spread:.1e} %, {most:g} allowed")
+        self.expect(spread <= SPREAD, f"spread over {len(values)} contours {100 * spread:.1e} %, {SPREAD:g} allowed")
         self.expect_near("K [Pa m^0.5]", results["stress_intensity"], math.sqrt(YOUNG * j), 1e-12)
 
     def energies(self, results, variant):
