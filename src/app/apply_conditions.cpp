@@ -2,6 +2,7 @@
 
 #include "pdx/base/gather.hpp"
 #include "pdx/fem/loads.hpp"
+#include "pdx/xfem/halves.hpp"
 #include "pdx/xfem/loads.hpp"
 
 #include <algorithm>
@@ -31,7 +32,7 @@ public:
   void apply()
   {
     Prescriptions(options_, d_)
-        .enter([&](const BoundaryCondition& c, const char*) { return rows_of(c); },
+        .enter([&](const BoundaryCondition& c, Acts acts) { return rows_of(c, acts); },
                [&](const BoundaryCondition& c, std::span<double> force) {
                  load_ = force;
                  if (c.traction) pull(c);
@@ -53,10 +54,10 @@ private:
     return kept;
   }
 
-  bool inside(const BoundaryCondition& c, const Vector<2>& x) const
-  {
-    return !c.box || c.box->contains(x, 1e-9 * mesh_.bounds().size().norm());
-  }
+  bool inside(const BoundaryCondition& c, const Vector<2>& x) const { return !c.box || c.box->contains(x, near()); }
+
+  /// Places as near as this are one [m].
+  double near() const { return std::max(1e-9 * mesh_.bounds().size().norm(), 2.0 * options_.frame.step()); }
 
   std::vector<CoveredEdge> covered_edges(const std::vector<mesh::BoundaryEdge>& edges) const
   {
@@ -77,7 +78,7 @@ private:
     const auto s = static_cast<std::size_t>(along), n = 1 - s;
     const auto first = [&](double x, std::size_t d) {
       return static_cast<Index>(
-          std::ceil((x - lattice.origin[static_cast<Eigen::Index>(d)]) / lattice.dx - 0.5 - 1e-9));
+          std::ceil((x - lattice.origin[static_cast<Eigen::Index>(d)]) / lattice.dx - 0.5 - 1e-6));
     };
     const bool low = first(edge.a[n], n) <= 0; // the edge lies on the lower border of the lattice
     std::vector<Index> rows;
@@ -93,18 +94,18 @@ private:
   }
 
   /// What the condition's boundary and box select; without either, everything.
-  std::set<Index> rows_of(const BoundaryCondition& c) const
+  std::set<Index> rows_of(const BoundaryCondition& c, Acts acts) const
   {
     std::set<Index> rows;
     if (!c.on.empty() && !c.layer) {
       const auto edges = edges_of(c);
       for (const mesh::BoundaryEdge& e : edges)
-        for (const Index v : e.vertices) add_node(v, rows);
+        for (const Index v : e.vertices) add_node(v, c, acts, rows);
       for (const CoveredEdge& e : covered_edges(edges))
         for (const Index row : particles_under(e, c.rows)) rows.insert(row);
     } else {
       for (const Index v : d_.nodes)
-        if (c.on.empty() && inside(c, mesh_.point(v))) add_node(v, rows);
+        if (c.on.empty()) add_node(v, c, acts, rows);
       for (std::size_t k = 0; k < d_.particles.size(); ++k)
         if (c.layer ? in_layer(c, d_.particles[k].x) : inside(c, d_.particles[k].x))
           rows.insert(d_.system.rows.first_particle() + static_cast<Index>(k));
@@ -114,13 +115,19 @@ private:
     return rows;
   }
 
-  void add_node(Index v, std::set<Index>& rows) const
+  /// The halves of a node that lie in the condition's box. A far half can be thrown by itself, but held only with the
+  /// near one, from which its row counts.
+  void add_node(Index v, const BoundaryCondition& c, Acts acts, std::set<Index>& rows) const
   {
     const PetscInt row = d_.node_rows[static_cast<std::size_t>(v)];
     if (v >= mesh_.owned_vertices() || row < 0) return;
-    rows.insert(row - d_.system.rows.first);
-    if (!d_.sets) return;
-    for (const xfem::EnrichedSet& set : d_.sets->of(v)) rows.insert(set.row - d_.system.rows.first); // either face
+    const std::span<const xfem::EnrichedSet> sets = d_.sets ? d_.sets->of(v) : std::span<const xfem::EnrichedSet>();
+    bool near = !sets.empty() || inside(c, mesh_.point(v));
+    for (const xfem::EnrichedSet& set : sets) near = near && inside(c, halves_of(mesh_, *d_.sets, v, set).near);
+    if (near) rows.insert(row - d_.system.rows.first);
+    for (const xfem::EnrichedSet& set : sets)
+      if ((near || acts == Acts::thrown) && inside(c, halves_of(mesh_, *d_.sets, v, set).far))
+        rows.insert(set.row - d_.system.rows.first);
   }
 
   bool in_layer(const BoundaryCondition& c, const Vector<2>& x) const
@@ -171,8 +178,8 @@ private:
 
   void push(const BoundaryCondition& c)
   {
-    if (!mesh_.bounds().contains(*c.at, 1e-9 * mesh_.bounds().size().norm()))
-      throw UserError(fmt::format("-bc_{}_at is {},{}: lies outside the mesh", c.name, c.at->x(), c.at->y()));
+    if (!mesh_.bounds().contains(*c.at, near()))
+      throw UserError(fmt::format("-bc_{}_at is {}: lies outside the mesh", c.name, options_.frame.text(*c.at)));
     std::vector<std::pair<Vector<2>, Index>> places;
     for (std::size_t k = 0; k < d_.nodes.size(); ++k)
       places.emplace_back(mesh_.point(d_.nodes[k]), static_cast<Index>(k));
@@ -183,7 +190,7 @@ private:
     MPI_Allreduce(MPI_IN_PLACE, &nearest, 1, MPI_DOUBLE, MPI_MIN, mesh_.comm());
 
     // Places at the same distance share the force: which rank has them, and in what order, must not matter.
-    const double within = nearest * (1.0 + 1e-9) + 1e-12 * mesh_.bounds().size().norm();
+    const double within = nearest + near();
     std::erase_if(places, [&](const auto& place) { return (place.first - *c.at).norm() > within; });
     auto count = static_cast<Index>(places.size());
     MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT, MPI_SUM, mesh_.comm());

@@ -1,5 +1,6 @@
 #include "pdx/app/cloud_body.hpp"
 
+#include "pdx/app/settle.hpp"
 #include "pdx/base/fingerprint.hpp"
 
 #include <algorithm>
@@ -28,6 +29,17 @@ template <int Dim> void judge_extent(const pd::Cloud<Dim>& cloud, double thickne
           "-pd_cloud: particle {} is at ({:g}), too far out for its neighbours to be told apart "
           "(at most {:g} particle sizes, {:g} m)",
           k + 1, fmt::join(cloud.points[k].begin(), cloud.points[k].end(), ", "), kMostSpread, kMostSpread * size));
+}
+
+template <int Dim> geom::Frame frame_of(const pd::Cloud<Dim>& cloud)
+{
+  geom::Box<3> box;
+  box.lower.template head<Dim>() = box.upper.template head<Dim>() = cloud.points[0];
+  for (const Vector<Dim>& x : cloud.points) {
+    box.lower.template head<Dim>() = box.lower.template head<Dim>().cwiseMin(x).eval();
+    box.upper.template head<Dim>() = box.upper.template head<Dim>().cwiseMax(x).eval();
+  }
+  return geom::Frame(box);
 }
 
 template <int Dim> mesh::MeshOptions cells_around(const pd::Cloud<Dim>& cloud, double thickness)
@@ -65,7 +77,7 @@ template <int Dim> Index CloudPlan<Dim>::cell_at(const Vector<2>& x) const
   return at[0] + mesh.cells[0] * at[1];
 }
 
-template <int Dim> CloudPlan<Dim> plan_cloud(const SceneOptions& options)
+template <int Dim> CloudPlan<Dim> plan_cloud(SceneOptions& options)
 {
   CloudPlan<Dim> plan;
   try {
@@ -74,6 +86,10 @@ template <int Dim> CloudPlan<Dim> plan_cloud(const SceneOptions& options)
     throw UserError(fmt::format("-pd_cloud: {}", wrong.what()));
   }
   judge_extent<Dim>(plan.particles, options.elastic.thickness);
+  const geom::Frame frame = frame_of<Dim>(plan.particles);
+  const double least = *std::ranges::min_element(plan.particles.volumes);
+  move_into(frame, pd::particle_size<Dim>(least, options.elastic.thickness), options);
+  for (Vector<Dim>& x : plan.particles.points) x = frame.inside(x);
   plan.mesh = cells_around<Dim>(plan.particles, options.elastic.thickness);
   plan.counts.assign(static_cast<std::size_t>(plan.mesh.cells[0]) * static_cast<std::size_t>(plan.mesh.cells[1]), 0);
   Fingerprint fingerprint;
@@ -164,8 +180,8 @@ std::unique_ptr<CloudBody<Dim>> discretise(MPI_Comm comm, const SceneOptions& op
   Model& model = *body;
   model.particles = std::move(particles);
   body->body = plan.mesh.box;
-  judge_no_fail(options.fracture.no_fail, body->body);
-  body->cracks = cracks_in(options.cracks.lines, body->body);
+  judge_no_fail(options, body->body);
+  body->cracks = cracks_in(options, body->body);
   body->description =
       fmt::format("{} particles {}, horizon {} m", plan.particles.points.size(), plan.fingerprint, options.pd.horizon);
   number_rows<Dim>(comm, plan.particles, *body);
@@ -194,7 +210,7 @@ template <int Dim> std::vector<double> CloudBody<Dim>::positions() const
 #define PDX_INSTANTIATE(Dim)                                                                                           \
   template struct CloudPlan<Dim>;                                                                                      \
   template struct CloudBody<Dim>;                                                                                      \
-  template CloudPlan<Dim> plan_cloud<Dim>(const SceneOptions&);                                                        \
+  template CloudPlan<Dim> plan_cloud<Dim>(SceneOptions&);                                                              \
   template mesh::CellCost cell_cost<Dim>(const CloudPlan<Dim>&);                                                       \
   template std::vector<pd::Particle> make_particles<Dim>(const mesh::Mesh&, const CloudPlan<Dim>&, pd::Particles&)
 PDX_INSTANTIATE(2);

@@ -13,7 +13,7 @@ public:
 
   void apply()
   {
-    const auto rows = [&](const BoundaryCondition& c, const char* what) { return rows_of(c, what); };
+    const auto rows = [&](const BoundaryCondition& c, Acts acts) { return rows_of(c, word_of(acts)); };
     Prescriptions(options_, body_).enter(rows, [&](const BoundaryCondition& c, std::span<double> force) {
       if (c.body) add(rows_of(c, "body force"), *c.body, force);
       if (c.force) add(rows_of(c, "force"), *c.force / chosen_volume(c), force);

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace pdx::app {
@@ -17,7 +18,7 @@ namespace {
 std::optional<std::size_t> patch_at(const PatchPlan& plan, const Vector<2>& x)
 {
   for (std::size_t p = 0; p < plan.shapes.size(); ++p)
-    if (plan.shapes[p].box.contains(x)) return p;
+    if (plan.shapes[p].box.contains(x, 1e-6 * plan.shapes[p].lattice.dx)) return p;
   return std::nullopt;
 }
 
@@ -51,8 +52,9 @@ std::vector<post::ContourJ> contours_at(const Solved& s, const crack::Tip& tip, 
   const pd::LatticePart<2>& part = *s.d.bonds->parts()[*patch];
   std::vector<post::SquareContour> contours;
   for (const double side : s.options.post.j_contours) contours.push_back({tip.at, side});
-  const post::PatchState state{s.mesh.comm(), part,    s.options.bond_kinematics(),
-                               s.u,           density, s.d.carried ? part.stencil().reach : 1};
+  const post::PatchState state{
+      s.mesh.comm(),  part, s.options.bond_kinematics(), s.u, density, s.d.carried ? part.stencil().reach : 1,
+      s.options.frame};
   return post::nonlocal_j(state, tip.direction, contours);
 }
 
@@ -91,8 +93,35 @@ double domain_result(const Solved& s, const crack::Tip& tip)
 {
   const auto parts = [&](Index cell, std::vector<post::PartOfCell>& into) { parts_of(s, *s.d.sets->cut(cell), into); };
   return post::domain_j({s.mesh, s.options.elastic, s.options.element_kinematics()}, tip,
-                        {(*s.options.post.j_domain)[0], (*s.options.post.j_domain)[1]},
+                        {(*s.options.post.j_domain)[0], (*s.options.post.j_domain)[1], s.options.frame},
                         s.d.node_field->displacement(s.u), parts);
+}
+
+/// The shortest way along a direction from a site of a lattice to another, nearly: a tip that is moved by it stands to
+/// the bonds as it did before, and bonds end at sites only. [spacings]
+double period(const Vector<2>& direction)
+{
+  constexpr int longest = 16;
+  constexpr double beside = 0.06; // always found: n steps come as near as 1 / (n + 1)
+  double shortest = std::numeric_limits<double>::infinity();
+  for (int i = -longest; i <= longest; ++i)
+    for (int j = -longest; j <= longest; ++j) {
+      const Vector<2> way(i, j);
+      const double along = direction.dot(way), across = direction.x() * way.y() - direction.y() * way.x();
+      if (along > 0.5 && std::abs(across) <= beside) shortest = std::min(shortest, along);
+    }
+  return shortest;
+}
+
+/// What a tip is moved by, either way [m].
+double tip_step(const SceneOptions& options, const crack::Tip& tip, const geom::Lattice<2>* lattice, double element)
+{
+  if (lattice) return period(tip.direction) * lattice->dx;
+  if (tip.direction.cwiseAbs().minCoeff() > 1e-6)
+    throw UserError(fmt::format("-post_energy_release: the tip at {} is slanted and ends in elements, where a crack "
+                                "closes at edges: put a patch there, or give -post_j_domain",
+                                options.frame.text(tip.at)));
+  return element;
 }
 
 /// Strain energy less work of the loads at full load.
@@ -149,8 +178,8 @@ void require_contours(const Solved& s)
         if (std::abs(gap) <= reach && off.minCoeff() <= 0.5 * side + reach)
           throw UserError(
               fmt::format("-post_j_contours has {:g}: the contour comes within a bond, {:g} m, of the tip at "
-                          "({:g}, {:g}); choose a side above {:g}",
-                          side, reach, tip.at[0], tip.at[1], 2.0 * (off.maxCoeff() + reach)));
+                          "{}; choose a side above {:g}",
+                          side, reach, s.options.frame.text(tip.at), 2.0 * (off.maxCoeff() + reach)));
       }
   }
   if (!any)
@@ -185,12 +214,12 @@ std::vector<double> energy_release(mesh::Mesh& mesh, const SceneOptions& options
   std::vector<double> rates;
   for (const crack::Tip& tip : cracks.tips()) {
     const auto patch = patch_at(plan, tip.at);
-    const double step = patch ? plan.shapes[*patch].lattice.dx : element;
+    const double step = tip_step(options, tip, patch ? &plan.shapes[*patch].lattice : nullptr, element);
     if (patch_at(plan, tip.at - step * tip.direction) != patch ||
         patch_at(plan, tip.at + step * tip.direction) != patch)
-      throw UserError(fmt::format("-post_energy_release moves the tip at ({:g}, {:g}) by {:g} m to either side, across "
+      throw UserError(fmt::format("-post_energy_release moves the tip at {} by {:g} m to either side, across "
                                   "the border of a patch: move the patch or leave it out",
-                                  tip.at[0], tip.at[1], step));
+                                  options.frame.text(tip.at), step));
     double change = 0.0;
     for (const double sign : {1.0, -1.0}) {
       SceneOptions moved = options;
@@ -210,9 +239,11 @@ void add_crack_results(const Solved& s, std::span<const double> release, nlohman
   nlohmann::json tips = nlohmann::json::array();
   const std::span<const crack::Tip> given = s.d.cracks.tips();
   for (std::size_t t = 0; t < given.size(); ++t) {
-    const Vector<2> at = given[t].at + state.farthest_broken[t] * given[t].direction;
+    const geom::Frame& frame = s.options.frame;
+    const Vector<2> at = frame.given<2>(given[t].at + state.farthest_broken[t] * given[t].direction),
+                    start = frame.given<2>(given[t].at);
     results["crack_tips"].push_back({at[0], at[1]});
-    nlohmann::json tip{{"start", {given[t].at[0], given[t].at[1]}}, {"farthest_broken", state.farthest_broken[t]}};
+    nlohmann::json tip{{"start", {start[0], start[1]}}, {"farthest_broken", state.farthest_broken[t]}};
     if (std::isfinite(state.first_intact[t])) tip["first_intact"] = state.first_intact[t];
     if (t < release.size()) tip["energy_release_rate"] = release[t];
     tips.push_back(tip);

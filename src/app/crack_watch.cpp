@@ -36,18 +36,24 @@ double angle_degrees(const crack::Tip& from, const Vector<2>& to)
   return std::atan2(across, from.direction.dot(way)) * 180.0 / std::numbers::pi;
 }
 
-nlohmann::ordered_json describe(const post::GrownTip& tip, const crack::Tip& from)
+nlohmann::ordered_json place(const geom::Frame& frame, const Vector<2>& x)
+{
+  const Vector<2> given = frame.given<2>(x);
+  return {given[0], given[1]};
+}
+
+nlohmann::ordered_json describe(const post::GrownTip& tip, const crack::Tip& from, const geom::Frame& frame)
 {
   nlohmann::ordered_json entry;
-  entry["start"] = {from.at[0], from.at[1]};
-  entry["at"] = {tip.at[0], tip.at[1]};
+  entry["start"] = place(frame, from.at);
+  entry["at"] = place(frame, tip.at);
   entry["grown"] = tip.length;
   if (tip.path.empty()) return entry;
   entry["angle_degrees"] = angle_degrees(from, tip.at);
   entry["arrived"] = tip.path.back().time;
   if (tip.branched) {
     entry["branch_time"] = tip.branched->time;
-    entry["branch_point"] = {tip.branched->at[0], tip.branched->at[1]};
+    entry["branch_point"] = place(frame, tip.branched->at);
   }
   return entry;
 }
@@ -128,13 +134,14 @@ void CrackWatch::write_results(nlohmann::ordered_json& results) const
   const std::span<const crack::Tip> given = files_.scene.model->cracks.tips();
   const post::CrackTree& tree = tracker_.tree();
   const double limit = law::rayleigh_speed(files_.options.elastic);
+  const geom::Frame& frame = files_.options.frame;
   nlohmann::ordered_json table = nlohmann::ordered_json::array();
   const post::GrownTip* longest = nullptr;
   const post::PathPoint* branch = nullptr;
   const std::vector<post::GrownTip> tips = tree.tips();
   for (const post::GrownTip& tip : tips) {
-    results["crack_tips"].push_back({tip.at[0], tip.at[1]});
-    table.push_back(describe(tip, given[tip.start]));
+    results["crack_tips"].push_back(place(frame, tip.at));
+    table.push_back(describe(tip, given[tip.start], frame));
     if (!tip.path.empty() && (!longest || tip.length > longest->length)) longest = &tip;
     if (tip.branched && (!branch || tip.branched->time < branch->time)) branch = &*tip.branched;
   }
@@ -143,7 +150,7 @@ void CrackWatch::write_results(nlohmann::ordered_json& results) const
   if (longest) results["crack_angle_degrees"] = angle_degrees(given[longest->start], longest->at);
   if (branch) {
     results["branch_time"] = branch->time;
-    results["branch_point"] = {branch->at[0], branch->at[1]};
+    results["branch_point"] = place(frame, branch->at);
   }
   results["rayleigh_speed"] = limit;
   results["max_crack_speed"] = tracker_.largest_speed();
@@ -157,8 +164,10 @@ void CrackWatch::write_paths() const
   io::Curve curve(files_.comm(), std::filesystem::path(files_.options.output.directory) / "crack_path.csv",
                   {{"tip", "-"}, {"time", "s"}, {"x", "m"}, {"y", "m"}});
   for (std::size_t t = 0; t < tips.size(); ++t)
-    for (const post::PathPoint& point : tips[t].path)
-      curve.row(std::vector<double>{static_cast<double>(t + 1), point.time, point.at[0], point.at[1]});
+    for (const post::PathPoint& point : tips[t].path) {
+      const Vector<2> at = files_.options.frame.given<2>(point.at);
+      curve.row(std::vector<double>{static_cast<double>(t + 1), point.time, at[0], at[1]});
+    }
   curve.close();
 }
 } // namespace pdx::app

@@ -15,9 +15,9 @@ namespace {
 void cut_cells(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
 {
   d.body = options.mesh.file.empty() ? plan.body : mesh.bounds();
-  judge_no_fail(options.fracture.no_fail, d.body);
+  judge_no_fail(options, d.body);
   if (options.cracks.lines.empty()) return;
-  d.cracks = cracks_in(options.cracks.lines, d.body);
+  d.cracks = cracks_in(options, d.body);
   d.sets = std::make_unique<xfem::EnrichedSets>(mesh, d.cracks, options.cracks.rule);
 }
 
@@ -152,9 +152,12 @@ void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const
   refuse_coarse_patches(options, d);
   auto parts = make_parts(options, plan, d);
   if (d.elements || d.cut_elements) {
-    const couple::CouplingOptions coupling{options.scheme, options.bond_kinematics(),
-                                           d.cracks.empty() ? nullptr : &d.cracks, d.seams.empty() ? nullptr : &d.seams,
-                                           options.fracture.no_fail};
+    const couple::CouplingOptions coupling{options.scheme,
+                                           options.bond_kinematics(),
+                                           d.cracks.empty() ? nullptr : &d.cracks,
+                                           d.seams.empty() ? nullptr : &d.seams,
+                                           options.fracture.no_fail,
+                                           options.frame};
     auto carried = couple::carry_bonds(d.system.rows, coupling, parts, d.around);
     d.carried = carried.get();
     d.system.terms.push_back(std::move(carried));

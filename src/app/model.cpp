@@ -5,31 +5,31 @@
 #include <fmt/format.h>
 
 namespace pdx::app {
-crack::CrackSet cracks_in(const std::vector<crack::Polyline>& lines, const geom::Box<2>& body)
+crack::CrackSet cracks_in(const SceneOptions& options, const geom::Box<2>& body)
 {
+  const auto& lines = options.cracks.lines;
+  const auto text = [&options](const Vector<2>& x) { return options.frame.text(x); };
   crack::CrackSet cracks(lines, body);
   for (std::size_t k = 0; k < lines.size(); ++k) {
     bool inside = lines[k].size() < 2; // another error
     for (std::size_t p = 0; p + 1 < lines[k].size(); ++p)
       inside = inside || geom::clip<2>(lines[k][p], lines[k][p + 1], body);
     if (!inside)
-      throw UserError(fmt::format("crack {}: from ({:g}, {:g}) to ({:g}, {:g}) no part of it is in the body, which is "
-                                  "({:g}, {:g}) to ({:g}, {:g})",
-                                  k + 1, lines[k].front().x(), lines[k].front().y(), lines[k].back().x(),
-                                  lines[k].back().y(), body.lower.x(), body.lower.y(), body.upper.x(), body.upper.y()));
+      throw UserError(fmt::format("crack {}: from {} to {} no part of it is in the body, which is {} to {}", k + 1,
+                                  text(lines[k].front()), text(lines[k].back()), text(body.lower), text(body.upper)));
   }
   return cracks;
 }
 
-void judge_no_fail(const std::vector<geom::Box<2>>& zones, const geom::Box<2>& body)
+void judge_no_fail(const SceneOptions& options, const geom::Box<2>& body)
 {
-  for (const geom::Box<2>& zone : zones)
-    if ((zone.lower.array() > body.upper.array()).any() || (zone.upper.array() < body.lower.array()).any())
-      throw UserError(
-          fmt::format("-pd_no_fail: no part of {:g},{:g},{:g},{:g} is in the body, which is ({:g}, {:g}) to "
-                      "({:g}, {:g})",
-                      zone.lower.x(), zone.lower.y(), zone.upper.x(), zone.upper.y(), body.lower.x(), body.lower.y(),
-                      body.upper.x(), body.upper.y()));
+  for (const geom::Box<2>& zone : options.fracture.no_fail) {
+    if ((zone.lower.array() <= body.upper.array()).all() && (zone.upper.array() >= body.lower.array()).all()) continue;
+    const Vector<2> lower = options.frame.given<2>(zone.lower), upper = options.frame.given<2>(zone.upper);
+    throw UserError(fmt::format("-pd_no_fail: no part of {:.6g},{:.6g},{:.6g},{:.6g} is in the body, which is {} to {}",
+                                lower.x(), lower.y(), upper.x(), upper.y(), options.frame.text(body.lower),
+                                options.frame.text(body.upper)));
+  }
 }
 
 template <int Dim> double critical_stretch(const SceneOptions& options, const pd::Stencil<Dim>& stencil)
@@ -59,7 +59,7 @@ void Prescriptions::throw_in(const BoundaryCondition& c, const std::set<Index>& 
   velocity.resize(static_cast<std::size_t>(model_.system.rows.owned() * dim_), 0.0);
   for (const Index row : rows)
     for (Index a = 0; a < dim_; ++a)
-      velocity[static_cast<std::size_t>(dim_ * row + a)] = is_set(row) ? 0.0 : (*c.initial_velocity)[a];
+      velocity[static_cast<std::size_t>(dim_ * row + a)] = (*c.initial_velocity)[a]; // of a set that of its half
 }
 
 void Prescriptions::hold(const BoundaryCondition& c, const std::set<Index>& rows)

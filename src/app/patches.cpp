@@ -137,7 +137,7 @@ mesh::CellCost cell_cost(const PatchPlan& plan)
   };
 }
 
-void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options)
+void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options, const geom::Frame& frame)
 {
   std::vector<double> area(plan.shapes.size(), 0.0), cut(plan.shapes.size(), 0.0);
   for (Index c = 0; c < mesh.cells(); ++c) {
@@ -157,12 +157,12 @@ void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOption
   MPI_Allreduce(MPI_IN_PLACE, cut.data(), static_cast<int>(cut.size()), MPI_DOUBLE, MPI_MAX, mesh.comm());
   for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
     const auto& box = plan.shapes[p].box;
-    const std::string which = fmt::format("-pd_patches: patch {} ({},{} to {},{})", p + 1, box.lower[0], box.lower[1],
-                                          box.upper[0], box.upper[1]);
+    const std::string which =
+        fmt::format("-pd_patches: patch {} {} to {}", p + 1, frame.text(box.lower), frame.text(box.upper));
     if (!mesh.bounds().contains(box.lower, kFits * plan.shapes[p].lattice.dx) ||
         !mesh.bounds().contains(box.upper, kFits * plan.shapes[p].lattice.dx))
-      throw UserError(fmt::format("{} leaves the mesh, which spans {},{} to {},{}", which, mesh.bounds().lower[0],
-                                  mesh.bounds().lower[1], mesh.bounds().upper[0], mesh.bounds().upper[1]));
+      throw UserError(fmt::format("{} leaves the mesh, which spans {} to {}", which, frame.text(mesh.bounds().lower),
+                                  frame.text(mesh.bounds().upper)));
     if (cut[p] == 0.0 && std::abs(area[p] - box.size().prod()) < 1e-6 * box.size().prod()) continue;
     std::string nearest;
     if (options.file.empty()) {
@@ -171,7 +171,7 @@ void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOption
         const Eigen::Array2d cells = ((x - options.box.lower).array() / h.array()).round();
         return Vector<2>(options.box.lower.array() + cells * h.array());
       };
-      const Vector<2> lower = snap(box.lower), upper = snap(box.upper);
+      const Vector<2> lower = frame.given<2>(snap(box.lower)), upper = frame.given<2>(snap(box.upper));
       nearest = fmt::format(", e.g. {:.10g},{:.10g},{:.10g},{:.10g}", lower[0], lower[1], upper[0], upper[1]);
     }
     throw UserError(fmt::format("{} cuts elements: its sides must lie on element boundaries{}", which, nearest));

@@ -84,7 +84,7 @@ void Recorder::write_history(const solve::Step& step)
                 tip ? first + crack.farthest_broken[0] : first});
     for (std::size_t t = 0; t < crack.farthest_broken.size(); ++t) {
       const crack::Tip& given = d_->cracks.tips()[t];
-      const Vector<2> at = given.at + crack.farthest_broken[t] * given.direction;
+      const Vector<2> at = options_.frame.given<2>(given.at + crack.farthest_broken[t] * given.direction);
       row.insert(row.end(), {at[0], at[1]});
     }
   }

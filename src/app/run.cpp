@@ -2,8 +2,10 @@
 
 #include "pdx/app/crack_results.hpp"
 #include "pdx/app/discretisation.hpp"
+#include "pdx/app/particle_warnings.hpp"
 #include "pdx/app/recorder.hpp"
 #include "pdx/app/run_in_time.hpp"
+#include "pdx/app/settle.hpp"
 #include "pdx/app/support.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/memory.hpp"
@@ -141,18 +143,22 @@ void run_plane(RunFiles& files)
   const SceneOptions& options = files.options;
   mesh::MeshOptions mesh_options = options.mesh;
   const PatchPlan plan = plan_patches(options, mesh_options);
+  if (options.pd.everywhere) {
+    require_rows(options, plan.shapes[0].lattice.count);
+    if (const std::string thin = thin_warning(options, plan.shapes[0].lattice.count); !thin.empty()) files.warn(thin);
+  }
   mesh::Mesh mesh = mesh::build(files.comm(), mesh_options, cell_cost(plan));
   stop_if_told(files.comm());
   Prior prior;
   if (options.post.reference_fe) {
-    cover_cells(mesh, plan, mesh_options); // refuses a wrong patch before the reference is paid for
+    cover_cells(mesh, plan, mesh_options, options.frame); // refuses a wrong patch before the reference is paid for
     mesh.uncover();
     prior.reference = reference_displacement(mesh, options);
   }
   std::unique_ptr<pd::Particles> swarm;
   std::vector<pd::Particle> particles;
   if (options.pd.any()) {
-    cover_cells(mesh, plan, mesh_options);
+    cover_cells(mesh, plan, mesh_options, options.frame);
     swarm = std::make_unique<pd::Particles>(files.comm());
     particles = make_particles(mesh, plan, *swarm);
     stop_if_told(files.comm());
@@ -166,14 +172,15 @@ void run_plane(RunFiles& files)
 
 void run(MPI_Comm comm, double begin)
 {
-  const SceneOptions options = SceneOptions::read();
+  SceneOptions options = SceneOptions::read();
   refuse_reference_options(options);
   if (!options.time.dynamic()) (void)wants_assembled(options); // refuses before anything is built
+  if (options.pd.cloud.empty()) settle(comm, options);
   RunFiles files(comm, options, begin);
   for (const std::string& warning : options.warnings) files.warn(warning);
   try {
     if (!options.pd.cloud.empty())
-      run_cloud(files);
+      run_cloud(files, options);
     else if (options.solid)
       run_solid(files);
     else
@@ -208,6 +215,7 @@ std::string help_text()
     text += fmt::format("  {:<28} {}{}\n{:31}default {}; {}\n", doc.name, doc.help,
                         doc.unit.empty() ? "" : " [" + doc.unit + "]", "", doc.default_value, doc.allowed);
   }
+  text += "\nBodies and crack faces do not touch: there is no contact, what meets passes through.\n";
   return text +
          "\nSolver options are PETSc's: -snes_..., -ksp_..., -pc_..., -mg_levels_..., -mg_coarse_..., -log_view.\n";
 }

@@ -57,16 +57,10 @@ void RunFiles::report_cracks()
     progress.line(fmt::format("{} nodes of cut elements have no enriched row: less than {:g} of their support lies on "
                               "one side",
                               report.dropped, options.cracks.rule.share()));
-  if (options.post.energy_release)
-    for (const crack::Tip& tip : scene.d->cracks.tips())
-      if (tip.direction.cwiseAbs().minCoeff() > 1e-9)
-        warn(fmt::format("-post_energy_release at the slanted tip ({:g}, {:g}): bonds end at lattice sites, so that a "
-                         "step of one spacing is not one of the crack; expect differences of several per cent",
-                         tip.at[0], tip.at[1]));
   for (const Vector<2>& tip : report.closed)
-    warn(fmt::format("the crack tip at ({:g}, {:g}) ends in elements and closes at the last element edge before it: "
-                     "put a patch there for a true tip",
-                     tip[0], tip[1]));
+    warn(fmt::format("the crack tip at {} ends in elements and closes at the last element edge before it: put a patch "
+                     "there for a true tip",
+                     options.frame.text(tip)));
 }
 
 void RunFiles::make_room()
@@ -129,9 +123,17 @@ std::vector<double> RunFiles::reactions(std::span<const double> force) const
 
 void RunFiles::write_fields(double time, Vec u, const std::vector<double>& relative_percent)
 {
-  if (scene.cloud) return fields->write(time, cloud_blocks(options, *scene.cloud, u, velocity));
-  if (scene.solid) return fields->write(time, solid_blocks(options, *scene.solid, u));
-  fields->write(time, output_blocks(*scene.mesh, options, *scene.d, u, relative_percent));
+  std::vector<field::OutputBlock> blocks;
+  if (scene.cloud)
+    blocks = cloud_blocks(options, *scene.cloud, u, velocity);
+  else if (scene.solid)
+    blocks = solid_blocks(options, *scene.solid, u);
+  else
+    blocks = output_blocks(*scene.mesh, options, *scene.d, u, relative_percent);
+  const Vector<3>& origin = options.frame.origin();
+  for (field::OutputBlock& block : blocks)
+    for (std::size_t k = 0; k < block.points.size(); ++k) block.points[k] += origin[static_cast<Eigen::Index>(k % 3)];
+  fields->write(time, blocks);
 }
 
 void RunFiles::fail(const std::string& why)

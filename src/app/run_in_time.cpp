@@ -1,7 +1,7 @@
 #include "pdx/app/run_in_time.hpp"
 
 #include "pdx/app/checkpoints.hpp"
-#include "pdx/app/cloud_body.hpp"
+#include "pdx/app/particle_warnings.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/solve/explicit_driver.hpp"
 #include "pdx/solve/implicit_driver.hpp"
@@ -97,6 +97,8 @@ void run_solid(RunFiles& files)
   TimeRun run(files);
   mesh::MeshOptions mesh_options = files.options.mesh;
   const SolidPlan plan = plan_solid(files.options, mesh_options);
+  require_rows(files.options, plan.lattice.count);
+  if (const std::string thin = thin_warning(files.options, plan.lattice.count); !thin.empty()) files.warn(thin);
   mesh::Mesh mesh = mesh::build(files.comm(), mesh_options, cell_cost(plan));
   stop_if_told(files.comm());
   pd::Particles swarm(files.comm());
@@ -107,24 +109,25 @@ void run_solid(RunFiles& files)
 }
 
 namespace {
-template <int Dim> void run_cloud_in(RunFiles& files)
+template <int Dim> void run_cloud_in(RunFiles& files, SceneOptions& options)
 {
   TimeRun run(files);
-  auto plan = std::make_unique<CloudPlan<Dim>>(plan_cloud<Dim>(files.options));
+  auto plan = std::make_unique<CloudPlan<Dim>>(plan_cloud<Dim>(options));
   mesh::Mesh mesh = mesh::build(files.comm(), plan->mesh, cell_cost(*plan));
   stop_if_told(files.comm());
   pd::Particles swarm(files.comm());
   const auto body = discretise(files.comm(), files.options, *plan, make_particles(mesh, *plan, swarm));
   plan.reset(); // the whole cloud
   stop_if_told(files.comm());
+  for (const std::string& line : cloud_warnings(options, *body)) files.warn(line);
   run.built({&mesh, body.get()});
   run.run(body->system, limits_of<Dim>({}, body->system));
 }
 } // namespace
 
-void run_cloud(RunFiles& files)
+void run_cloud(RunFiles& files, SceneOptions& options)
 {
-  if (files.options.solid) return run_cloud_in<3>(files);
-  run_cloud_in<2>(files);
+  if (options.solid) return run_cloud_in<3>(files, options);
+  run_cloud_in<2>(files, options);
 }
 } // namespace pdx::app

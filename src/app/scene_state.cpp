@@ -59,6 +59,7 @@ std::string lines_of(const SceneOptions& options, const Standing& scene)
   text += fmt::format("bonds = micromodulus {}, calibration {}, surface correction {}\n",
                       static_cast<int>(options.pd.micromodulus), static_cast<int>(options.pd.calibration),
                       static_cast<int>(options.pd.surface_correction));
+  text += fmt::format("corner of the body = {}\n", fmt::join(options.frame.origin(), ", "));
   for (const geom::Box<2>& box : options.fracture.no_fail)
     text += fmt::format("no-fail zone = {} {} {} {}\n", box.lower[0], box.lower[1], box.upper[0], box.upper[1]);
   for (std::size_t c = 0; c < options.cracks.lines.size(); ++c) {

@@ -101,8 +101,8 @@ std::unique_ptr<Solid> discretise(MPI_Comm comm, const SceneOptions& options, co
   auto solid = std::make_unique<Solid>();
   solid->particles = std::move(particles);
   solid->body = plan.columns.body;
-  judge_no_fail(options.fracture.no_fail, solid->body);
-  solid->cracks = cracks_in(options.cracks.lines, solid->body);
+  judge_no_fail(options, solid->body);
+  solid->cracks = cracks_in(options, solid->body);
   number_rows(comm, plan.lattice, *solid);
   add_bonds(options, plan, *solid);
   apply_conditions(options, plan.lattice, *solid);

@@ -28,7 +28,7 @@ public:
 
   void apply()
   {
-    const auto rows = [&](const BoundaryCondition& c, const char* what) { return rows_of(c, what); };
+    const auto rows = [&](const BoundaryCondition& c, Acts acts) { return rows_of(c, word_of(acts)); };
     Prescriptions(options_, solid_).enter(rows, [&](const BoundaryCondition& c, std::span<double> force) {
       const double dx = lattice_.dx;
       if (c.traction) add(rows_of(c, "traction"), dx * dx / c.rows * *c.traction, force);

@@ -9,8 +9,7 @@
 namespace pdx::couple {
 namespace {
 using Part = pd::LatticePart<2>;
-constexpr double kTouch = 1e-9;     // of the acting part of a bond, at either end
-constexpr double kShortest = 1e-10; // an inner part below this share of dx is a touch, not a spring
+constexpr double kTouch = 1e-9; // of the acting part of a bond, at either end
 
 Site<2> stepped(Site<2> site, const Site<2>& step, int sign)
 {
@@ -76,8 +75,8 @@ private:
       const Vector<2> x = part_.lattice().point(site);
       throw UserError(
           fmt::format("-couple_scheme {} needs plain elements within a horizon of each patch, but the ghost "
-                      "at ({:g}, {:g}) lies in another patch: move the patches apart or use energy",
-                      options_.scheme == Scheme::ghost ? "ghost" : "interface", x[0], x[1]));
+                      "at {} lies in another patch: move the patches apart or use energy",
+                      options_.scheme == Scheme::ghost ? "ghost" : "interface", options_.frame.text(x)));
     });
   }
 
@@ -137,18 +136,28 @@ private:
         draft.xi = sign * arm.xi;
         draft.energy_share = arm.length / part_.stencil().volume();
         draft.volume = arm.volume_share * part_.stencil().volume();
-        if (!place_far_end(draft, x, other)) continue;
+        if (!place_far_end(draft, site, other)) continue;
         judge(draft, x, draft.xi, {x, lattice.point(other)});
         if (row >= 0 || mine(draft.b) || mine(draft.force_b)) drafts_.push_back(draft);
       }
   }
 
+  /// The part of the bond between two sites that lies in the patch. In spacings, where sites, sides and steps are
+  /// numbers without rounding: a bond through a corner touches it, and is no short spring.
+  std::optional<geom::Clip> inner_part(const Site<2>& from, const Site<2>& to) const
+  {
+    const auto middle = [](const Site<2>& site) { return Vector<2>(site[0] + 0.5, site[1] + 0.5); };
+    const auto& count = part_.lattice().count;
+    return geom::clip<2>(middle(from), middle(to), {{0.0, 0.0}, {1.0 * count[0], 1.0 * count[1]}});
+  }
+
   /// Chooses what carries the outer end; false where the bond leaves through a side without elements behind.
-  bool place_far_end(Draft& draft, const Vector<2>& x, const Site<2>& other) const
+  bool place_far_end(Draft& draft, const Site<2>& site, const Site<2>& other) const
   {
     std::optional<Host> edge;
     if (options_.scheme != Scheme::ghost) {
-      const auto part = geom::clip<2>(x, x + draft.xi, around_.shape().box);
+      const Vector<2> x = part_.lattice().point(site);
+      const auto part = inner_part(site, other);
       edge = around_.edge_host(x + part->leave * draft.xi, -part->leave * draft.xi, zone());
       if (!edge) return false;
       if (options_.scheme == Scheme::energy) draft.xi *= part->leave;
@@ -168,8 +177,8 @@ private:
       const pd::Arm<2>& arm = part_.stencil().half[h];
       const Site<2> other = stepped(site, arm.step, 1);
       if (!bonded(other)) continue;
-      const auto part = geom::clip<2>(x, x + arm.xi, around_.shape().box);
-      if (!part || (part->leave - part->enter) * arm.length < kShortest * lattice.dx) continue;
+      const auto part = inner_part(site, other);
+      if (!part || part->enter >= part->leave) continue;
       const Vector<2> begin = x + part->enter * arm.xi, half = 0.5 * (part->leave - part->enter) * arm.xi;
       const auto enter = around_.edge_host(begin, half, zone());
       const auto leave = around_.edge_host(x + part->leave * arm.xi, -half, zone());

@@ -11,12 +11,13 @@
 
 namespace pdx::couple {
 namespace {
-constexpr double kOnSide = 1e-9; // a point this far from a side, in units of dx, lies on it
+constexpr double kOnSide = 1e-5; // a point this far from a side, in units of dx, lies on it: sides fit to 1e-6
+constexpr double kTiny = 1e-7;   // a part of an edge as short as this, in units of dx, is none
 
 /// Side of the box both points lie on: 0 left, 1 right, 2 bottom, 3 top, -1 none.
 int side_of(const PatchShape& shape, const Vector<2>& a, const Vector<2>& b)
 {
-  const double near = 1e-6 * shape.lattice.dx;
+  const double near = kOnSide * shape.lattice.dx;
   for (int d = 0; d < 2; ++d)
     for (int upper = 0; upper < 2; ++upper) {
       const double face = upper ? shape.box.upper[d] : shape.box.lower[d];
@@ -103,7 +104,7 @@ struct Surroundings::Trace {
   std::optional<Host> mean_over(const Interval& cell, double s) const
   {
     const double dx = cell.end - cell.begin, offset = (s - 0.5 * (cell.begin + cell.end)) / dx;
-    const double tiny = kOnSide * dx;
+    const double tiny = kTiny * dx;
     Host host;
     double filled = 0.0;
     bool parted = false;

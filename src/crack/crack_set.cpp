@@ -37,7 +37,7 @@ void check(const Polyline& points, std::size_t number)
   const auto refuse = [number](const std::string& what) {
     throw UserError(fmt::format("crack {}: {}", number + 1, what));
   };
-  const auto text = [](const Vector<2>& x) { return fmt::format("({:g}, {:g})", x.x(), x.y()); };
+  const auto text = [](const Vector<2>& x) { return fmt::format("({:.10g}, {:.10g})", x.x(), x.y()); };
   if (points.size() < 2) refuse(fmt::format("{} point(s) given; a crack needs two or more", points.size()));
   for (const Vector<2>& x : points)
     if (!x.allFinite()) refuse("a coordinate is not a finite number");

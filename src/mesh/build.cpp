@@ -95,9 +95,9 @@ CellList read_on_first_rank(MPI_Comm comm, const std::string& file)
   return list;
 }
 
-SerialMesh file_mesh(MPI_Comm comm, const std::string& file)
+SerialMesh file_mesh(MPI_Comm comm, const MeshOptions& options)
 {
-  CellList list = read_on_first_rank(comm, file);
+  CellList& list = *options.list;
   SerialMesh mesh;
   const auto cells = static_cast<PetscInt>(list.cells.size()), vertices = static_cast<PetscInt>(list.points.size());
   std::vector<PetscInt> corners;
@@ -116,7 +116,7 @@ SerialMesh file_mesh(MPI_Comm comm, const std::string& file)
     PDX_CALL(DMSetLabelValue(mesh.plex.get(), kBoundaryLabel, edge[0], name));
     PDX_CALL(DMPlexRestoreJoin(mesh.plex.get(), 2, points.data(), &count, &edge));
   }
-  mesh.boundaries = std::move(list.boundaries);
+  mesh.boundaries = list.boundaries;
   return mesh;
 }
 
@@ -227,11 +227,32 @@ MeshOptions MeshOptions::read(bool needed)
   return o;
 }
 
-Mesh build(MPI_Comm comm, const MeshOptions& options, const CellCost& cost)
+double load(MPI_Comm comm, MeshOptions& options)
 {
+  options.list = std::make_shared<CellList>(read_on_first_rank(comm, options.file));
+  constexpr double far = std::numeric_limits<double>::max();
+  double least[] = {far, far, far, far, far}; // x, y, -x, -y, edge
+  for (const Vector<2>& x : options.list->points)
+    for (std::size_t d = 0; d < 2; ++d) {
+      least[d] = std::min(least[d], x[static_cast<Eigen::Index>(d)]);
+      least[2 + d] = std::min(least[2 + d], -x[static_cast<Eigen::Index>(d)]);
+    }
+  const auto point = [&](Index v) { return options.list->points[static_cast<std::size_t>(v)]; };
+  for (const auto& cell : options.list->cells)
+    for (std::size_t k = 0; k < 4; ++k)
+      least[4] = std::min(least[4], (point(cell[(k + 1) % 4]) - point(cell[k])).norm());
+  MPI_Bcast(least, 5, MPI_DOUBLE, 0, comm);
+  options.box = {{least[0], least[1]}, {-least[2], -least[3]}};
+  return least[4];
+}
+
+Mesh build(MPI_Comm comm, const MeshOptions& given, const CellCost& cost)
+{
+  MeshOptions options = given;
+  if (!options.file.empty() && !options.list) (void)load(comm, options);
   register_metis_partitioner();
   const char* type = partitioner_type();
-  SerialMesh serial = options.file.empty() ? box_mesh(comm, options) : file_mesh(comm, options.file);
+  SerialMesh serial = options.file.empty() ? box_mesh(comm, options) : file_mesh(comm, options);
   std::vector<Index> natural = serial_numbers(serial.plex.get());
   DistributedPlex distributed = distribute({std::move(serial.plex), std::move(natural)}, type, cost);
   MeshArrays arrays = flatten(distributed, serial.boundaries);

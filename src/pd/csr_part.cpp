@@ -7,11 +7,22 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace pdx::pd {
 namespace {
-constexpr double kRounding = 1e-9; // of lengths over particle sizes, as for lattices
+constexpr double kOnePlace = 1e-4; // of a particle's size
+constexpr double kRounding = 1e-6; // of lengths over particle sizes: three sizes lie on a horizon of three
+
+template <int Dim>
+void require_apart(const Cloud<Dim>& cloud, double thickness, std::span<const Index> numbers, std::array<Index, 2> pair)
+{
+  const auto at = [](Index k) { return static_cast<std::size_t>(k); };
+  const double length = (cloud.points[at(pair[1])] - cloud.points[at(pair[0])]).norm();
+  if (length >= kOnePlace * particle_size<Dim>(cloud.volumes[at(pair[0])], thickness)) return;
+  if (!numbers.empty()) pair = {numbers[at(pair[0])], numbers[at(pair[1])]};
+  throw UserError(fmt::format("particles: numbers {} and {} are in one place, {:g} m apart: take one of them out",
+                              std::min(pair[0], pair[1]) + 1, std::max(pair[0], pair[1]) + 1, length));
+}
 } // namespace
 
 template <int Dim> double particle_size(double volume, double thickness)
@@ -50,6 +61,8 @@ CsrPart<Dim>::CsrPart(const Cloud<Dim>& cloud, Index owned, const CloudOptions& 
   for (Index i = 0; i < owned; ++i) {
     grid.near(cloud.points[static_cast<std::size_t>(i)], near);
     if (!numbers.empty()) std::ranges::sort(near, {}, [&](Index j) { return numbers[static_cast<std::size_t>(j)]; });
+    for (const Index j : near)
+      if (j != i) require_apart<Dim>(cloud, options.thickness, numbers, {i, j});
     add_bonds_of(i, cloud, near);
   }
   intact_.assign(neighbour_.size(), 1);
@@ -77,9 +90,6 @@ template <int Dim> void CsrPart<Dim>::add_bonds_of(Index i, const Cloud<Dim>& cl
     if (j == i) continue;
     const auto to = static_cast<std::size_t>(j);
     const double length = (cloud.points[to] - cloud.points[at]).norm();
-    if (length == 0.0)
-      throw UserError(fmt::format("particles: two of them are in one place, ({:g})",
-                                  fmt::join(cloud.points[at].begin(), cloud.points[at].end(), ", ")));
     const double stiffness = kappa(length, cloud.volumes[at], cloud.volumes[to]);
     if (!(stiffness > 0.0)) continue;
     neighbour_.push_back(j);

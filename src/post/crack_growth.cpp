@@ -6,6 +6,8 @@
 
 namespace pdx::post {
 namespace {
+constexpr double kRound = 1e-6; // of a spacing
+
 /// Height above the tip's prolongation, left of it positive.
 double height(const crack::Tip& tip, const Vector<2>& x)
 {
@@ -32,7 +34,7 @@ std::optional<std::size_t> patch_of(std::span<const std::unique_ptr<pd::LatticeP
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const geom::Lattice<2>& lattice = parts[p]->lattice();
     const Vector<2> size = lattice.dx * Vector<2>(lattice.count[0], lattice.count[1]);
-    if (geom::Box<2>{lattice.origin, lattice.origin + size}.contains(x)) return p;
+    if (geom::Box<2>{lattice.origin, lattice.origin + size}.contains(x, kRound * lattice.dx)) return p;
   }
   return std::nullopt;
 }
@@ -62,7 +64,7 @@ void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, TipGrow
   const crack::Tip& tip = cracks.tips()[growth.tip];
   const geom::Lattice<2>& lattice = part.lattice();
   const auto& arms = part.stencil().half;
-  const double rounding = 1e-9 * lattice.dx, reach = (part.stencil().reach + 1) * 1.5 * lattice.dx;
+  const double rounding = kRound * lattice.dx, reach = (part.stencil().reach + 1) * 1.5 * lattice.dx;
   const double way = way_ahead(cracks, tip, reach);
   std::vector<std::uint8_t> intact(arms.size());
   for (Index k = 0; k < static_cast<Index>(part.sites().size()); ++k) {
@@ -78,7 +80,7 @@ void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, TipGrow
       if (!lattice.contains(other)) continue;
       const Vector<2> b = lattice.point(other);
       const std::optional<double> distance = crossing(tip, a, b, rounding);
-      if (!distance || *distance > way) continue;
+      if (!distance || *distance > way + rounding) continue;
       if (intact[h])
         growth.first_intact = std::min(growth.first_intact, *distance);
       else if (*distance > growth.farthest_broken && !cracks.cuts(a, b))

@@ -6,6 +6,8 @@
 
 namespace pdx::post {
 namespace {
+constexpr double kRound = 1e-9; // of damage: sums of volumes in another order
+
 std::vector<CrackStart> starts_of(std::span<const crack::Tip> tips)
 {
   std::vector<CrackStart> starts;
@@ -26,8 +28,8 @@ void CrackTracker::look(double time, std::span<const pd::Particle> particles, st
 {
   std::vector<Arrival> mine;
   for (std::size_t k = 0; k < before_.size(); ++k) {
-    if (damage[k] < threshold_ || before_[k] >= threshold_) continue;
-    const double share = (threshold_ - before_[k]) / (damage[k] - before_[k]);
+    if (damage[k] < threshold_ - kRound || before_[k] >= threshold_ - kRound) continue;
+    const double share = std::min(1.0, (threshold_ - before_[k]) / (damage[k] - before_[k]));
     mine.push_back({particles[k].patch, particles[k].site, time_ + share * (time - time_)});
   }
   before_.assign(damage.begin(), damage.end());

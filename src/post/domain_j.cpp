@@ -44,8 +44,8 @@ double integrand(const fem::ElasticBody& body, const fem::Gradients& gradients, 
 /// Throws alike on every rank unless the ring is made of elements.
 void judge(const fem::ElasticBody& body, const crack::Tip& tip, const DomainRing& ring)
 {
-  const std::string place = fmt::format("the J domain from {:g} to {:g} m around the tip at ({:g}, {:g})", ring.inner,
-                                        ring.outer, tip.at.x(), tip.at.y());
+  const std::string place = fmt::format("the J domain from {:g} to {:g} m around the tip at {}", ring.inner, ring.outer,
+                                        ring.frame.text(tip.at));
   if (!(ring.inner > 0.0 && ring.inner < ring.outer))
     throw UserError(place + " is empty: the outer half-width must be larger than the inner one");
   const geom::Box<2>& bounds = body.mesh.bounds();

@@ -10,6 +10,8 @@
 
 namespace pdx::post {
 namespace {
+constexpr double kTie = 1e-6; // of a spacing: sides this near to the middle between two lines move outwards
+
 /// Lines of a contour: line k lies between columns (rows) k - 1 and k.
 struct Lines {
   Site<2> lower, upper;
@@ -41,15 +43,15 @@ Lines place(const PatchState& state, const SquareContour& contour)
     const auto axis = static_cast<Eigen::Index>(d);
     const double centre = (contour.centre[axis] - lattice.origin[axis]) / lattice.dx;
     const double half = 0.5 * contour.side / lattice.dx;
-    const double lower = std::round(centre - half), upper = std::round(centre + half);
+    const double lower = std::ceil(centre - half - 0.5 - kTie), upper = std::floor(centre + half + 0.5 + kTie);
     fits &= lower >= state.margin && upper <= lattice.count[d] - state.margin && upper - lower >= 1.0;
     if (!fits) break;
     lines.lower[d] = static_cast<Index>(lower);
     lines.upper[d] = static_cast<Index>(upper);
   }
   if (fits) return lines;
-  const std::string place = fmt::format("the J contour of side {:g} m around ({:g}, {:g})", contour.side,
-                                        contour.centre.x(), contour.centre.y());
+  const std::string place =
+      fmt::format("the J contour of side {:g} m around {}", contour.side, state.frame.text(contour.centre));
   const double most = largest_side(state, contour.centre);
   if (most < lattice.dx) throw UserError(place + " does not fit into the patch: move its centre further inside");
   if (contour.side < most)

@@ -24,8 +24,8 @@ ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& opt
         });
       },
       this));
-  set_motion(ts_.get(), {[this](double time, double* u) { moving_.move(time, u); },
-                         [this](double time, double* v) { moving_.move_velocity(time, v); }});
+  set_motion(ts_.get(), {[this](double time, double* u) { moving_.move_alone(time, u); },
+                         [this](double time, double* v) { moving_.move_velocity_alone(time, v); }});
   PDX_CALL(TSSetUp(ts_.get()));
 }
 
@@ -62,8 +62,8 @@ void ExplicitDriver::evaluate(double time, std::span<double> a)
 
 void ExplicitDriver::start(std::span<double> a)
 {
-  moving_.move(0.0, moving_.u.data());
-  moving_.move_velocity(0.0, moving_.v.data());
+  moving_.move_alone(0.0, moving_.u.data());
+  moving_.move_velocity_alone(0.0, moving_.v.data());
   evaluate(0.0, a);
 }
 

@@ -35,11 +35,34 @@ MovingSystem::MovingSystem(field::System& given)
       mass(lumped_mass(given)), ties_(ties_of(given)), held_(given.prescribed.components.size(), 0.0),
       held_before_(held_), held_u_before_(held_)
 {
-  v.resize(static_cast<std::size_t>(system.rows.owned() * system.rows.dim), 0.0);
+  const auto dim = static_cast<std::size_t>(system.rows.dim);
+  v.resize(static_cast<std::size_t>(system.rows.owned()) * dim, 0.0);
+  for (const field::Tie& t : ties_)
+    for (std::size_t d = 0; d < dim; ++d) {
+      double& set = v[static_cast<std::size_t>(t.set) * dim + d];
+      set = (set - v[static_cast<std::size_t>(t.row) * dim + d]) / t.factor;
+    }
+  loose_ = loose_halves();
   for (const double m : mass) inverse_mass_.push_back(1.0 / m);
   for (const field::Drive& drive : system.drives)
     if (const std::vector<double> none(drive.components.size(), 0.0); drive.kind == field::Drive::Kind::force)
       loads_.push_back({&drive, none, none, none});
+}
+
+std::vector<MovingSystem::Loose> MovingSystem::loose_halves() const
+{
+  std::vector<Loose> found;
+  const auto dim = static_cast<std::size_t>(system.rows.dim);
+  const auto& held = system.prescribed.components;
+  for (const field::Tie& t : ties_)
+    for (std::size_t d = 0; d < dim; ++d) {
+      const std::size_t row = static_cast<std::size_t>(t.row) * dim + d,
+                        set = static_cast<std::size_t>(t.set) * dim + d;
+      if (!system.held[row] || system.held[set]) continue;
+      const auto at = std::ranges::find(held, static_cast<Index>(row));
+      found.push_back({row, set, static_cast<std::size_t>(at - held.begin()), t.factor});
+    }
+  return found;
 }
 
 void MovingSystem::unbalanced(double time, std::span<double> f)
@@ -49,6 +72,7 @@ void MovingSystem::unbalanced(double time, std::span<double> f)
   for (const auto& term : system.terms) term->add_residual(u, f);
   const auto& held = system.prescribed.components;
   for (std::size_t k = 0; k < held.size(); ++k) held_[k] = f[static_cast<std::size_t>(held[k])];
+  for (const Loose& half : loose_) held_[half.held] -= f[half.set] / half.factor; // that of the near half alone
   load_at(time);
   for (const Load& load : loads_)
     for (std::size_t k = 0; k < load.force.size(); ++k)
@@ -99,8 +123,9 @@ void MovingSystem::accelerate(std::span<double> f) const
   dim == 2 ? divide_by_mass<2>(f) : divide_by_mass<3>(f);
   for (const field::Tie& t : ties_)
     for (std::size_t d = 0; d < dim; ++d) {
+      const std::size_t row = static_cast<std::size_t>(t.row) * dim + d;
       double& set = f[static_cast<std::size_t>(t.set) * dim + d];
-      set = (set - f[static_cast<std::size_t>(t.row) * dim + d]) / t.factor;
+      set = (set - (system.held[row] ? 0.0 : f[row])) / t.factor;
     }
   for (const Index c : system.prescribed.components) f[static_cast<std::size_t>(c)] = 0.0;
 }
@@ -114,6 +139,9 @@ void MovingSystem::let_go(std::span<const field::ForceLoss> losses, std::span<do
     else if (ties_.empty())
       a[static_cast<std::size_t>(loss.component)] +=
           inverse_mass_[static_cast<std::size_t>(loss.component / system.rows.dim)] * loss.force;
+  for (const Loose& half : loose_)
+    for (const field::ForceLoss& loss : losses)
+      if (loss.component == static_cast<Index>(half.set)) held_[half.held] += loss.force / half.factor;
   if (ties_.empty()) return;
   change_.assign(owned(), 0.0); // ties pass forces on to other rows
   for (const field::ForceLoss& loss : losses) change_[static_cast<std::size_t>(loss.component)] -= loss.force;
@@ -146,6 +174,25 @@ void MovingSystem::move(double time, double* displacement) const
 void MovingSystem::move_velocity(double time, double* velocity) const
 {
   overwrite(system.drives, rate, time, velocity);
+}
+
+template <class Move> void MovingSystem::without_far_halves(double* values, Move&& move) const
+{
+  std::vector<double> before;
+  for (const Loose& half : loose_) before.push_back(values[half.row]);
+  move();
+  for (std::size_t k = 0; k < loose_.size(); ++k)
+    values[loose_[k].set] -= (values[loose_[k].row] - before[k]) / loose_[k].factor;
+}
+
+void MovingSystem::move_alone(double time, double* displacement) const
+{
+  without_far_halves(displacement, [&] { move(time, displacement); });
+}
+
+void MovingSystem::move_velocity_alone(double time, double* velocity) const
+{
+  without_far_halves(velocity, [&] { move_velocity(time, velocity); });
 }
 
 double MovingSystem::astray(double time) const

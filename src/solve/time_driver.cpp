@@ -103,7 +103,7 @@ void TimeDriver::after_step()
       const auto place = moving_.fastest_place();
       const std::string why =
           fmt::format("step {}, time {:.6g} s: the energy of motion grew beyond all work done, fastest at ({:g}, "
-                      "{:g}); the state of "
+                      "{:g}) from the body's corner; the state of "
                       "step {} is kept; try a smaller -ts_dt than {:.4g} s, or check material and units",
                       step(), time(), place[0], place[1], good_.clock.step, step_length());
       go_back();

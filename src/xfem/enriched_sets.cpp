@@ -87,8 +87,8 @@ void refuse_junctions(const mesh::Mesh& mesh, std::span<const CellCut> cuts)
   if (all.empty()) return;
   const Junction first = *std::ranges::min_element(
       all, {}, [](const Junction& j) { return std::tuple(j.natural, j.cracks[0], j.cracks[1]); });
-  throw UserError(fmt::format("cracks {} and {} cut the same element, around ({:g}, {:g}); an element opens along one "
-                              "crack: refine the mesh, move them apart, or put a patch there",
+  throw UserError(fmt::format("cracks {} and {} cut the same element, around ({:g}, {:g}) from the body's corner; an "
+                              "element opens along one crack: refine the mesh, move them apart, or put a patch there",
                               first.cracks[0] + 1, first.cracks[1] + 1, first.at[0], first.at[1]));
 }
 

@@ -16,8 +16,8 @@ template <int Dim> struct CloudPlan {
   Index cell_at(const Vector<2>& x) const; ///< in the plane; outside the box the nearest [m]
 };
 
-/// Reads the file, alike on every rank. Throws UserError.
-template <int Dim> CloudPlan<Dim> plan_cloud(const SceneOptions& options);
+/// Reads the file, alike on every rank, and moves cloud and options into its frame. Throws UserError.
+template <int Dim> CloudPlan<Dim> plan_cloud(SceneOptions& options);
 
 /// Cost of a cell: its particles.
 template <int Dim> mesh::CellCost cell_cost(const CloudPlan<Dim>& plan);

@@ -27,8 +27,9 @@ CrackState crack_state(const Discretisation& d);
 /// Length of a given crack inside the body's box [m].
 double length_inside(const Model& scene, int crack);
 
-/// -dPi/da of each tip, the crack's end moved forth and back by a spacing of the patch it lies in, else by an element:
-/// two solves of the whole load path each [J/m^2]. Leaves the mesh plain. Collective.
+/// -dPi/da of each tip, the crack's end moved forth and back along its direction: in a patch by the lattice's period
+/// that way (a spacing along x and y, eight at 30 degrees), in elements by one. Two solves of the whole load path each
+/// [J/m^2]. Leaves the mesh plain. Collective.
 std::vector<double> energy_release(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan,
                                    std::span<const pd::Particle> particles, bool assembled);
 

@@ -44,13 +44,20 @@ struct Model {
 };
 
 /// The cracks that are there from the start. Throws UserError for one that is nowhere in the body.
-crack::CrackSet cracks_in(const std::vector<crack::Polyline>& lines, const geom::Box<2>& body);
+crack::CrackSet cracks_in(const SceneOptions& options, const geom::Box<2>& body);
 
 /// Throws UserError for a zone without failure that is nowhere in the body.
-void judge_no_fail(const std::vector<geom::Box<2>>& zones, const geom::Box<2>& body);
+void judge_no_fail(const SceneOptions& options, const geom::Box<2>& body);
 
 /// Critical stretch of the bonds of a stencil, by toughness or as given [-].
 template <int Dim> double critical_stretch(const SceneOptions& options, const pd::Stencil<Dim>& stencil);
+
+/// What a condition does to the rows it chooses.
+enum class Acts { held, thrown };
+constexpr const char* word_of(Acts acts)
+{
+  return acts == Acts::held ? "displacement or velocity" : "initial velocity";
+}
 
 /// Enters boundary conditions into a Model: what is held, thrown in or loaded, and what drives that in time.
 class Prescriptions {
@@ -59,14 +66,14 @@ public:
   Prescriptions(const SceneOptions& options, Model& model);
 
   /// All conditions, in order: later ones win where something is held, and the reaction is theirs.
-  /// @param rows_of (condition, what acts there) -> std::set<Index> of owned rows
+  /// @param rows_of (condition, Acts) -> std::set<Index> of owned rows
   /// @param add_loads (condition, force of owned components [N]); called where there is a traction or force
   template <class RowsOf, class AddLoads> void enter(RowsOf&& rows_of, AddLoads&& add_loads)
   {
     std::vector<double> force;
     for (const BoundaryCondition& c : options_.conditions) {
-      if (c.holds()) hold(c, rows_of(c, "displacement or velocity"));
-      if (c.initial_velocity) throw_in(c, rows_of(c, "initial velocity"));
+      if (c.holds()) hold(c, rows_of(c, Acts::held));
+      if (c.initial_velocity) throw_in(c, rows_of(c, Acts::thrown));
       if (!c.traction && !c.body && !c.force) continue;
       force.assign(static_cast<std::size_t>(model_.system.rows.owned() * dim_), 0.0);
       add_loads(c, force);

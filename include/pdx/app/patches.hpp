@@ -28,7 +28,9 @@ PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh);
 mesh::CellCost cell_cost(const PatchPlan& plan);
 
 /// Switches off the cells under the patches. Throws UserError if a patch leaves the mesh or cuts elements. Collective.
-void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options);
+/// @param frame of coordinates in messages
+void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options,
+                 const geom::Frame& frame = {});
 
 /// The particles in the covered cells this rank owns, by patch and site. Collective.
 std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan& plan, pd::Particles& swarm);

@@ -7,5 +7,5 @@ void run_in_time(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::
 /// The same of a solid, from its mesh on. Collective.
 void run_solid(RunFiles& files);
 /// The same of a cloud, from its file on. Collective.
-void run_cloud(RunFiles& files);
+void run_cloud(RunFiles& files, SceneOptions& options);
 } // namespace pdx::app

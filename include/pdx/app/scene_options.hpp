@@ -4,6 +4,7 @@
 #include "pdx/base/options.hpp"
 #include "pdx/couple/schemes.hpp"
 #include "pdx/fem/element.hpp"
+#include "pdx/geom/frame.hpp"
 #include "pdx/law/elastic.hpp"
 #include "pdx/mesh/build.hpp"
 #include "pdx/pd/stencil.hpp"
@@ -64,6 +65,7 @@ struct OutputOptions {
 /// All that a user may say about a scene; read once, judged once, refused not mended.
 struct SceneOptions {
   std::string case_name = "case";
+  geom::Frame frame; ///< of all coordinates below: as given until `settle`
   mesh::MeshOptions mesh;
   law::Elastic elastic;
   bool solid = false; ///< in space: the body in the plane, extruded by the thickness

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/couple/carried_bonds.hpp"
+#include "pdx/geom/frame.hpp"
 #include "pdx/pd/lattice_part.hpp"
 
 #include <memory>
@@ -19,6 +20,7 @@ struct CouplingOptions {
   const crack::CrackSet* cracks = nullptr; ///< bonds whose acting part they part carry nothing
   const crack::CrackSet* seams = nullptr;  ///< the same, where the mesh is parted
   std::span<const geom::Box<2>> no_fail;   ///< bonds with an end in one of them never break [m]
+  geom::Frame frame = {};                  ///< of coordinates in messages
 };
 
 /// Where the material around a patch counts to bond families: everywhere, or (papers) in the ghost layers only. In the

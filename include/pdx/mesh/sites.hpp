@@ -26,7 +26,7 @@ void for_each_site(const Mesh& mesh, Index cell, const geom::Lattice<2>& lattice
   for (Site<2> site{0, from[1]}; site[1] <= to[1]; ++site[1])
     for (site[0] = from[0]; site[0] <= to[0]; ++site[0]) {
       const Vector<2> x = lattice.point(site);
-      if (cell_holds(corners, natural, x, 1e-9 * lattice.dx)) visit(std::as_const(site), x);
+      if (cell_holds(corners, natural, x, 1e-6 * lattice.dx)) visit(std::as_const(site), x);
     }
 }
 } // namespace pdx::mesh

@@ -47,6 +47,8 @@ struct GrownTip {
 /// particle knows how far from its start it is, along a chain of damaged neighbours. Tips are those farther than all
 /// others around: a shorter branch counts once it goes two horizons beyond where it and a longer one part. Damage that
 /// hangs together with no start is kept aside until it does.
+/// What is equally far, to 1e-6 of a spacing, is treated alike and averaged, so that nothing hangs on rounding, on the
+/// order of particles or on which way the scene is turned.
 class CrackTree {
 public:
   /// Starts outside all patches stay where they are.
@@ -67,17 +69,39 @@ private:
     Vector<2> at;
     double time = 0.0;
     double distance = 0.0; ///< from the start, along the chain [m]
-    int start = -1, parent = -1;
-    std::vector<int> near; ///< damaged neighbours
+    int start = -1;
+    std::vector<int> parents; ///< all through which it is as near
+    std::vector<int> near;    ///< damaged neighbours
   };
+  /// Points that are as far as each other and hang together: what is to be a tip.
+  struct Front {
+    std::vector<int> points;
+    double distance = 0.0, time = 0.0; ///< time of the first [m], [s]
+  };
+  /// All shortest chains to a front at once: what is as far as each other counts as one, in the middle.
+  struct Way {
+    std::vector<double> distance; ///< falling [m]
+    std::vector<PathPoint> path;
+  };
+  /// A branch as it meets a longer one.
+  struct Meeting {
+    const Front &branch, &longer;
+    std::vector<int> points; ///< where, equally far
+  };
+  class Groups;
   std::uint64_t key(Index patch, Index site) const;
+  double equal(const Point& point) const; ///< distances this near are equal [m]
   int insert(const Arrival& arrival);
   void seed(Point& point, const TreeGround& ground);
   void link(const std::vector<int>& open);
-  std::vector<int> farthest_first(int start) const;
+  std::vector<std::vector<int>> farthest_first(int start) const;
+  bool beats(const Front& a, const Front& b) const;
+  PathPoint middle(std::span<const int> points) const;
+  Way way_to(const Front& front) const;
+  double passed(const Front& front, double distance) const;
+  GrownTip tip_at(const Front& front) const;
+  GrownTip branch_at(const Meeting& meeting) const;
   std::vector<GrownTip> tips_of(int start) const;
-  GrownTip tip_at(int point) const;
-  double passed_at(int point, double distance) const;
 
   std::vector<CrackStart> starts_;
   std::vector<int> start_ground_; // patch of each start, -1 outside

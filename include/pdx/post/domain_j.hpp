@@ -1,13 +1,15 @@
 #pragma once
 #include "pdx/crack/crack_set.hpp"
 #include "pdx/fem/assembly.hpp"
+#include "pdx/geom/frame.hpp"
 #include "pdx/xfem/cut.hpp"
 
 namespace pdx::post {
 /// Squares around a tip, sides along x and y, by half their sides: the weight q is 1 inside the inner one and falls
 /// linearly to 0 at the outer one.
 struct DomainRing {
-  double inner, outer; ///< [m]
+  double inner, outer;    ///< [m]
+  geom::Frame frame = {}; ///< of coordinates in messages
 };
 
 /// A part of a cut cell that moves with one bilinear field.

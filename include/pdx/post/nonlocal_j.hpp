@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/geom/frame.hpp"
 #include "pdx/pd/bond_term.hpp"
 
 namespace pdx::post {
@@ -24,6 +25,7 @@ struct PatchState {
   /// Particle columns that stay between a contour and the border of the patch, at least 1. Where bonds cross the border
   /// it must be the stencil's reach: the sum below knows bonds between particles only.
   int margin = 1;
+  geom::Frame frame = {}; ///< of coordinates in messages
 };
 
 /// Nonlocal J per unit of thickness in the (unit) direction d that the crack grows in, on each contour:

@@ -37,6 +37,9 @@ public:
   /// Overwrites held components by what drives them.
   void move(double time, double* displacement) const;
   void move_velocity(double time, double* velocity) const;
+  /// The same where time is stepped: the free far half of a held node stays where it is, or as fast as it is.
+  void move_alone(double time, double* displacement) const;
+  void move_velocity_alone(double time, double* velocity) const;
   /// How far what is held is from where it should be then, of the largest such displacement [-]. Collective.
   double astray(double time) const;
 
@@ -64,6 +67,14 @@ private:
     std::vector<double> force, force_before; // [N]
     std::vector<double> u_before;            // [m]
   };
+  /// A component of a node that is held while its far half is free.
+  struct Loose {
+    std::size_t row, set, held; ///< components, and the place among the held ones
+    double factor;
+  };
+  std::vector<Loose> loose_halves() const;
+  template <class Move> void without_far_halves(double* values, Move&& move) const;
+
   template <std::size_t Dim> void divide_by_mass(std::span<double> f) const;
   template <std::size_t Dim> void add_squares(std::span<const double> a, double (&sums)[3]) const;
   double held_kinetic() const;
@@ -71,6 +82,7 @@ private:
 
   std::vector<double> inverse_mass_;
   std::vector<field::Tie> ties_;
+  std::vector<Loose> loose_;
   std::vector<Load> loads_;
   std::vector<double> change_; // owned, only where `let_go` meets ties [m/s^2]
   std::vector<double> held_, held_before_, held_u_before_;

@@ -290,6 +290,6 @@ TEST(CloudTerm, RefusesAlikeOnEveryRankWhatOneRankSees)
   EXPECT_EQ(message(3.0), "");
   EXPECT_NE(message(0.2).find("no two of them are within the horizon of 0.05 m"), std::string::npos);
   cloud.points[7] = cloud.points[6]; // the same rank's on up to three ranks
-  EXPECT_NE(message(3.0).find("two of them are in one place"), std::string::npos);
+  EXPECT_NE(message(3.0).find("numbers 7 and 8 are in one place"), std::string::npos);
 }
 } // namespace

@@ -142,3 +142,97 @@ TEST(CrackTree, TipThatWaitsSlowsDown)
   EXPECT_NEAR(post::tip_speed(tip, 6.0, arrived + 11.0, 1.0), 0.6, 1e-12);
   EXPECT_EQ(post::tip_speed(tip, 50.0, arrived, 1.0), 0.0);
 }
+
+namespace {
+/// A way to look at the same scene: turned, mirrored, larger or elsewhere.
+struct View {
+  bool swapped = false, mirrored = false;
+  double dx = 1.0;
+  Vector<2> corner = Vector<2>::Zero();
+};
+
+/// A fork in a lattice of 80 x 40, whose arms are as long in steps but not in time: rows, arms and looks tie.
+class Fork {
+public:
+  explicit Fork(const View& view) : view_(view)
+  {
+    const Site<2> count = view.swapped ? Site<2>{40, 80} : Site<2>{80, 40};
+    const geom::Lattice<2> lattice{view.corner, view.dx, count};
+    const Vector<2> along = seen({1.0, 0.0});
+    CrackTree tree({{view.corner + view.dx * place({10.0, 20.0}), along}}, {{lattice, 3.0 * view.dx}});
+    std::vector<Arrival> all;
+    for (Index i = 10; i < 70; ++i)
+      for (const Index j : {19, 20}) add(lattice, all, i, i < 40 ? j : j + (j == 19 ? 39 - i : i - 39) / 2, j);
+    std::ranges::sort(all, {}, &Arrival::time);
+    for (double look = 1.5; !all.empty(); look += 1.5) {
+      const auto later = std::ranges::find_if(all, [&](const Arrival& a) { return a.time > look; });
+      tree.add({all.begin(), later});
+      all.erase(all.begin(), later);
+    }
+    tips = tree.tips();
+    for (const GrownTip& tip : tips) speed = std::max(speed, post::tip_speed(tip, tree.span(0), 20.0, 1.5) / view.dx);
+  }
+
+  std::vector<GrownTip> tips;
+  double speed = 0.0; // in spacings
+
+private:
+  Vector<2> seen(Vector<2> way) const
+  {
+    if (view_.mirrored) way.y() = -way.y();
+    if (view_.swapped) std::swap(way.x(), way.y());
+    return way;
+  }
+  Vector<2> place(Vector<2> at) const
+  {
+    if (view_.mirrored) at.y() = 40.0 - at.y();
+    if (view_.swapped) std::swap(at.x(), at.y());
+    return at;
+  }
+  void add(const geom::Lattice<2>& lattice, std::vector<Arrival>& all, Index i, Index j, Index row) const
+  {
+    const Vector<2> at = place({i + 0.5, j + 0.5});
+    const Site<2> site{static_cast<Index>(at.x()), static_cast<Index>(at.y())};
+    // The lower row is later, and unevenly so.
+    const double time = 0.25 * (i - 9) + (row == 19 ? 0.01 * (i % 7) : 0.0) + 1e-14 * ((i * 7 + j) % 5);
+    all.push_back({0, static_cast<Index>(lattice.number(site)), time});
+  }
+  View view_;
+};
+} // namespace
+
+TEST(CrackTree, SpeedAndBranchDoNotDependOnHowTheSceneIsTurnedScaledOrPlaced)
+{
+  const Fork plain({});
+  ASSERT_EQ(plain.tips.size(), 2u);
+  ASSERT_TRUE(plain.tips[1].branched);
+  EXPECT_GT(plain.speed, 3.0);
+  const double third = 1.0 / 3.0;
+  for (const View& view : {View{false, true, 1.0, {0.0, 0.0}}, View{true, false, 1.0, {0.0, 0.0}},
+                           View{true, true, 1.0, {0.0, 0.0}}, View{false, false, third, {0.1, -0.7}},
+                           View{false, true, third, {1e3 * third, 7e2}}, View{true, true, 1e-3, {third, 1e-3}}}) {
+    const Fork other(view);
+    ASSERT_EQ(other.tips.size(), 2u);
+    EXPECT_NEAR(other.speed, plain.speed, 1e-9);
+    for (std::size_t t = 0; t < 2; ++t) {
+      EXPECT_NEAR(other.tips[t].length / view.dx, plain.tips[t].length, 1e-9);
+      EXPECT_NEAR(other.tips[t].path.back().time, plain.tips[t].path.back().time, 1e-9);
+      ASSERT_EQ(other.tips[t].branched.has_value(), plain.tips[t].branched.has_value());
+    }
+    EXPECT_NEAR(other.tips[1].branched->time, plain.tips[1].branched->time, 1e-9);
+  }
+}
+
+TEST(CrackTree, RowsThatAreAsFarShareTheTipsTime)
+{
+  CrackTree tree({{{10.0, 0.0}, {1.0, 0.0}}}, {{kLattice, 3.0}});
+  std::vector<Arrival> all;
+  for (Index i = 10; i < 40; ++i)
+    for (const Index j : {19, 20})
+      all.push_back({0, static_cast<Index>(kLattice.number({i, j})), 1.0 * i + (j == 19 ? 0.5 : 0.0)});
+  tree.add(all);
+  const auto tips = tree.tips();
+  ASSERT_EQ(tips.size(), 1u);
+  EXPECT_NEAR(tips[0].path.back().time, 39.25, 1e-12);
+  EXPECT_NEAR(tips[0].at.y(), 0.0, 1e-12);
+}

@@ -1,0 +1,14 @@
+#pragma once
+#include "pdx/app/cloud_body.hpp"
+
+namespace pdx::app {
+/// What is odd but allowed about a cloud, a line each: particles without a bond, particles so near to each other that
+/// they rule the step, bonds across gaps. The same on every rank. Collective.
+template <int Dim> std::vector<std::string> cloud_warnings(const SceneOptions& options, const CloudBody<Dim>& body);
+
+/// Throws UserError for a body of one row of particles. @param count particles along each axis, layers included
+template <std::size_t Dim> void require_rows(const SceneOptions& options, const std::array<Index, Dim>& count);
+
+/// Says how far a body of few rows is from one that is as stiff as its material; empty for a thick one.
+template <std::size_t Dim> std::string thin_warning(const SceneOptions& options, const std::array<Index, Dim>& count);
+} // namespace pdx::app

@@ -1,0 +1,12 @@
+#pragma once
+#include "pdx/app/scene_options.hpp"
+
+namespace pdx::app {
+/// Moves all coordinates of the options into the frame. Throws UserError where its grid is too coarse.
+/// @param finest the smallest length that matters [m]
+void move_into(const geom::Frame& frame, double finest, SceneOptions& options);
+
+/// Reads the mesh file, if there is one, and moves the scene into the frame of its body. Collective. Throws UserError,
+/// alike on every rank, for a bad file and for a body so far out that numbers do not tell its parts apart.
+void settle(MPI_Comm comm, SceneOptions& options);
+} // namespace pdx::app

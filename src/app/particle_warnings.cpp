@@ -1,0 +1,127 @@
+#include "pdx/app/particle_warnings.hpp"
+
+#include "pdx/base/gather.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace pdx::app {
+namespace {
+constexpr double kNear = 0.1; // sizes of a particle
+constexpr double kGap = 1.2;  // likewise: a bond's middle is as far from any particle
+
+template <int Dim> Vector<Dim> place(const pd::CsrView<Dim>& view, std::size_t k)
+{
+  return Eigen::Map<const Vector<Dim>>(view.points + k * Dim);
+}
+
+/// Does a bond from particle i cross a place as wide as two particles where there is none?
+template <int Dim> bool crosses_gap(const pd::CsrView<Dim>& view, std::size_t i, std::int64_t bond, double size)
+{
+  if (!view.intact[bond] || view.length[bond] < 2.0 * kGap * size) return false;
+  const Vector<Dim> middle = 0.5 * (place(view, i) + place(view, static_cast<std::size_t>(view.neighbour[bond])));
+  for (std::int64_t b = view.first[i]; b < view.first[i + 1]; ++b)
+    if ((place(view, static_cast<std::size_t>(view.neighbour[b])) - middle).norm() < kGap * size) return false;
+  return true;
+}
+
+/// Numbers in the file, counted from 1, of the particles of all ranks that are so; and where the first is.
+struct Found {
+  std::vector<Index> numbers;
+  std::string first;
+};
+
+template <int Dim, class IsSo> Found find(const SceneOptions& options, const CloudBody<Dim>& body, IsSo&& is_so)
+{
+  struct Entry {
+    Index number;
+    std::array<double, 3> at;
+  };
+  const pd::CsrView<Dim> view = body.bonds->part().view();
+  std::vector<Entry> mine;
+  for (std::size_t i = 0; i < body.particles.size(); ++i) {
+    if (!is_so(view, i)) continue;
+    Entry entry{body.particles[i].site + 1, {}};
+    const Vector<Dim> x = options.frame.given<Dim>(place(view, i));
+    std::copy_n(x.data(), Dim, entry.at.begin());
+    mine.push_back(entry);
+  }
+  std::vector<Entry> all = gather_all(body.system.rows.comm, mine);
+  std::ranges::sort(all, {}, &Entry::number);
+  Found found;
+  for (const Entry& entry : all) found.numbers.push_back(entry.number);
+  if (!all.empty())
+    found.first =
+        fmt::format("{} at ({:.10g})", all[0].number, fmt::join(all[0].at.begin(), all[0].at.begin() + Dim, ", "));
+  return found;
+}
+} // namespace
+
+template <int Dim> std::vector<std::string> cloud_warnings(const SceneOptions& options, const CloudBody<Dim>& body)
+{
+  const auto size = [&](std::size_t i) {
+    return pd::particle_size<Dim>(body.bonds->volumes()[i], options.elastic.thickness);
+  };
+  const auto any_bond = [](const pd::CsrView<Dim>& view, std::size_t i, auto&& is_so) {
+    for (std::int64_t b = view.first[i]; b < view.first[i + 1]; ++b)
+      if (is_so(b)) return true;
+    return false;
+  };
+  using View = pd::CsrView<Dim>;
+  const Found lonely =
+      find<Dim>(options, body, [](const View& view, std::size_t i) { return view.first[i] == view.first[i + 1]; });
+  const Found near = find<Dim>(options, body, [&](const View& view, std::size_t i) {
+    return any_bond(view, i, [&](std::int64_t b) { return view.length[b] < kNear * size(i); });
+  });
+  const Found apart = find<Dim>(options, body, [&](const View& view, std::size_t i) {
+    return any_bond(view, i, [&](std::int64_t b) { return crosses_gap(view, i, b, size(i)); });
+  });
+  std::vector<std::string> lines;
+  if (!lonely.numbers.empty())
+    lines.push_back(
+        fmt::format("-pd_cloud: {} particle(s) have no neighbour within -pd_horizon {:g} and carry nothing, "
+                    "the first is number {}: take them out, or widen the horizon",
+                    lonely.numbers.size(), options.pd.horizon, lonely.first));
+  if (!near.numbers.empty())
+    lines.push_back(
+        fmt::format("-pd_cloud: {} particles have a neighbour nearer than a tenth of their size, which makes "
+                    "the stable step short, the first is number {}: take doubles out",
+                    near.numbers.size(), near.first));
+  if (!apart.numbers.empty())
+    lines.push_back(
+        fmt::format("-pd_cloud: {} particles have bonds across a gap wider than two particles, the first is "
+                    "number {}: bonds join all within -pd_horizon; part the sides by a crack, or move them "
+                    "apart",
+                    apart.numbers.size(), apart.first));
+  return lines;
+}
+
+template <std::size_t Dim> void require_rows(const SceneOptions& options, const std::array<Index, Dim>& count)
+{
+  const auto thin = std::ranges::find(count, 1);
+  if (thin == count.end()) return;
+  throw UserError(fmt::format("-pd_spacing is {}: the body is one row of particles thick along {}, which bears nothing "
+                              "across and is 2.9 times too stiff along: give a spacing that makes {} rows or more",
+                              options.pd.spacing[0], "xyz"[thin - count.begin()],
+                              static_cast<int>(2.0 * options.pd.horizon_ratio)));
+}
+
+template <std::size_t Dim> std::string thin_warning(const SceneOptions& options, const std::array<Index, Dim>& count)
+{
+  const auto thin = std::ranges::min_element(count);
+  if (*thin >= 2.0 * options.pd.horizon_ratio - 1e-9) return {};
+  return fmt::format(
+      "the body is {} rows of particles thick along {}, less than two horizons: particles at free sides "
+      "miss most of their bonds and stiffness is only roughly right (with -pd_surface_correction volume two "
+      "rows are 2.1 times too stiff, four 1.4 times); give a smaller -pd_spacing",
+      *thin, "xyz"[thin - count.begin()]);
+}
+
+template std::vector<std::string> cloud_warnings<2>(const SceneOptions&, const CloudBody<2>&);
+template std::vector<std::string> cloud_warnings<3>(const SceneOptions&, const CloudBody<3>&);
+template void require_rows<2>(const SceneOptions&, const std::array<Index, 2>&);
+template void require_rows<3>(const SceneOptions&, const std::array<Index, 3>&);
+template std::string thin_warning<2>(const SceneOptions&, const std::array<Index, 2>&);
+template std::string thin_warning<3>(const SceneOptions&, const std::array<Index, 3>&);
+} // namespace pdx::app

@@ -1,0 +1,51 @@
+"""The energy that a slanted crack releases, against J over a ring of elements.
+
+Usage: test_slanted_tip.py PDXSOLVE [unittest arguments].
+"""
+
+import math
+
+import program
+
+PULLED = {
+    "-mesh_lower": "0,0",
+    "-mesh_upper": "1,1",
+    "-mesh_cells": "40,40",
+    "-pd_patches": "0.3,0.3,0.7,0.8",
+    "-pd_spacing": "0.0125",
+    "-material_young": "1e9",
+    "-bc_names": "b,t",
+    "-bc_b_on": "bottom",
+    "-bc_b_displacement": "0,0",
+    "-bc_t_on": "top",
+    "-bc_t_displacement": "0,1e-3",
+    "-crack_names": "c",
+    "-post_energy_release": "",
+    "-quiet": "",
+}
+
+
+def crack(degrees, reach=0.5):
+    return f"0,0.31,{reach},{0.31 + reach * math.tan(math.radians(degrees))!r}"
+
+
+class SlantedTip(program.ProgramTest):
+    def test_energy_release_is_j(self):
+        for degrees in (30, 45):
+            with self.subTest(degrees=degrees):
+                tip = {"-crack_c_points": crack(degrees), "-post_j_domain": "0.31,0.4"}
+                if degrees == 45:
+                    tip["-crack_c_points"] = crack(45, 0.25 + 0.0375)  # room in the patch
+                    tip["-pd_patches"] = "0.15,0.45,0.45,0.75"
+                    tip["-post_j_domain"] = "0.2,0.28"
+                results = self.solve(PULLED | tip).summary["results"]
+                self.assertLess(abs(results["energy_release_rate"] / results["j_domain"] - 1), 0.01)
+
+    def test_in_elements_it_is_refused(self):
+        run = self.launch(PULLED | {"-pd_patches": None, "-pd_spacing": None, "-crack_c_points": crack(30)}, ranks=2)
+        self.assertEqual(run.status, 1)
+        self.assertRegex(run.err, r"-post_energy_release: the tip at \(0\.5, 0\.598[0-9]*\) is slanted.*-post_j_domain\n$")
+
+
+if __name__ == "__main__":
+    program.main()

@@ -1,0 +1,86 @@
+"""What is odd but allowed gets a line, what is meaningless is refused.
+
+Usage: test_warnings.py PDXSOLVE [unittest arguments].
+"""
+
+import program
+
+CLOUD = {
+    "-pd_horizon": "0.3",
+    "-material_young": "1e9",
+    "-material_density": "1000",
+    "-analysis": "explicit",
+    "-ts_max_steps": "2",
+    "-ts_max_time": "1",
+    "-quiet": "",
+}
+BAR = {
+    "-mesh_lower": "0,0",
+    "-pd_patches": "all",
+    "-pd_spacing": "0.01",
+    "-material_young": "1e9",
+    "-bc_names": "l,r",
+    "-bc_l_on": "left",
+    "-bc_l_displacement": "0,0",
+    "-bc_l_rows": "4",
+    "-bc_r_on": "right",
+    "-bc_r_traction": "1,0",
+    "-quiet": "",
+}
+GRID = [(0.05 + 0.1 * i, 0.05 + 0.1 * j) for j in range(6) for i in range(10)]
+
+
+class Warnings(program.ProgramTest):
+    def cloud(self, points, ranks=1, **options):
+        file = self.scratch / f"cloud_{self.runs}.csv"
+        rows = [f"{x!r},{y!r},0.01" for x, y in points]
+        file.write_text("x,y,volume\n" + "\n".join(rows) + "\n", encoding="utf-8")
+        return self.launch(CLOUD | options | {"-pd_cloud": str(file)}, ranks)
+
+    def assert_warned(self, run, pattern):
+        self.assertEqual(run.status, 0, run.err)
+        self.assertRegex(run.err, r"^warning: " + pattern + r"[^\n]*\n$")
+        self.assertLess(len(run.err), 400)
+
+    def test_cloud_without_oddities(self):
+        self.assertEqual(self.cloud(GRID).err, "")
+
+    def test_particles_without_neighbours(self):
+        for ranks in (1, 2):
+            run = self.cloud([*GRID, (5.0, 5.0)], ranks)
+            self.assert_warned(run, r"-pd_cloud: 1 particle.*no neighbour.*number 61 at \(5, 5\): take")
+
+    def test_nearly_double_particles(self):
+        self.assert_warned(self.cloud([*GRID, (0.053, 0.05)]), r"-pd_cloud: 2 particles.*nearer.*number 1 at.*doubles")
+
+    def test_double_particles_are_refused(self):
+        for apart in (0.0, 1e-14, 1e-7):
+            for ranks in (1, 2):
+                run = self.cloud([*GRID, (0.05 + apart, 0.05)], ranks)
+                self.assertEqual(run.status, 1)
+                self.assertRegex(run.err, r"numbers 1 and 61 are in one place.*take one of them out\n$")
+
+    def test_bonds_across_a_gap(self):
+        halves = [(x + (0.25 if x > 0.5 else 0.0), y) for x, y in GRID]
+        run = self.cloud(halves, **{"-pd_horizon": "0.4"})
+        self.assert_warned(run, r"-pd_cloud: \d+ particles have bonds across a gap.*the first is number \d+ at.*crack")
+        cut = {"-pd_horizon": "0.4", "-crack_names": "c", "-crack_c_points": "0.6,-1,0.6,2"}
+        self.assertEqual(self.cloud(halves, **cut).err, "")
+
+    def test_one_row_is_refused(self):
+        for operator in ("matrix_free", "assembled"):
+            run = self.launch(BAR | {"-mesh_upper": "1,0.01", "-pd_operator": operator}, ranks=2)
+            self.assertEqual(run.status, 1)
+            self.assertRegex(run.err, r"-pd_spacing is 0\.01: the body is one row.*along y.*8 rows or more\n$")
+
+    def test_few_rows_are_told(self):
+        run = self.launch(BAR | {"-mesh_upper": "0.4,0.04"})
+        self.assert_warned(run, r"the body is 4 rows of particles thick along y, less than two horizons")
+
+    def test_no_contact_is_told(self):
+        run = program.Run(*program.finish([program.PROGRAM, "-help"], program.ROOT), self.scratch)
+        self.assertIn("there is no contact", run.out)
+
+
+if __name__ == "__main__":
+    program.main()
