@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <functional>
 
 namespace pdx::app {
 namespace {
@@ -102,26 +103,48 @@ template <std::size_t Dim> void require_rows(const SceneOptions& options, const 
   const auto thin = std::ranges::find(count, 1);
   if (thin == count.end()) return;
   throw UserError(fmt::format("-pd_spacing is {}: the body is one row of particles thick along {}, which bears nothing "
-                              "across and is 2.9 times too stiff along: give a spacing that makes {} rows or more",
+                              "across and has no right stiffness along: give a spacing that makes {} rows or more",
                               options.pd.spacing[0], "xyz"[thin - count.begin()],
                               static_cast<int>(2.0 * options.pd.horizon_ratio)));
 }
 
-template <std::size_t Dim> std::string thin_warning(const SceneOptions& options, const std::array<Index, Dim>& count)
+namespace {
+template <std::size_t Dim>
+std::string thin_warning(const SceneOptions& options, const std::array<Index, Dim>& count,
+                         const std::function<std::string(int rows)>& stiffness)
 {
   const auto thin = std::ranges::min_element(count);
   if (*thin >= 2.0 * options.pd.horizon_ratio - 1e-9) return {};
-  return fmt::format(
-      "the body is {} rows of particles thick along {}, less than two horizons: particles at free sides "
-      "miss most of their bonds and stiffness is only roughly right (with -pd_surface_correction volume two "
-      "rows are 2.1 times too stiff, four 1.4 times); give a smaller -pd_spacing",
-      *thin, "xyz"[thin - count.begin()]);
+  return fmt::format("the body is {} rows of particles thick along {}, less than two horizons, where bonds miss their "
+                     "neighbours: {}; give a smaller -pd_spacing",
+                     *thin, "xyz"[thin - count.begin()], stiffness(static_cast<int>(*thin)));
+}
+
+std::string of_volumes(int)
+{
+  return "with -pd_surface_correction volume two rows are about twice as stiff as the material, four 1.4 times";
+}
+} // namespace
+
+std::string thin_warning(const SceneOptions& options, const PatchPlan& plan)
+{
+  const auto& sides = plan.sides[0];
+  const bool volume = !sides && options.pd.surface_correction != SurfaceCorrection::none;
+  return thin_warning<2>(options, plan.shapes[0].lattice.count, [&](int rows) {
+    if (volume) return of_volumes(rows);
+    const pd::BarStiffness bar = pd::bar_stiffness(plan.stencils[0], sides ? &*sides : nullptr, rows);
+    return fmt::format("a bar of so many is {:.3g} times as stiff as the material in tension, {:.3g} times in bending",
+                       bar.tension, bar.bending);
+  });
+}
+
+std::string thin_warning(const SceneOptions& options, const std::array<Index, 3>& count)
+{
+  return thin_warning<3>(options, count, of_volumes);
 }
 
 template std::vector<std::string> cloud_warnings<2>(const SceneOptions&, const CloudBody<2>&);
 template std::vector<std::string> cloud_warnings<3>(const SceneOptions&, const CloudBody<3>&);
 template void require_rows<2>(const SceneOptions&, const std::array<Index, 2>&);
 template void require_rows<3>(const SceneOptions&, const std::array<Index, 3>&);
-template std::string thin_warning<2>(const SceneOptions&, const std::array<Index, 2>&);
-template std::string thin_warning<3>(const SceneOptions&, const std::array<Index, 3>&);
 } // namespace pdx::app

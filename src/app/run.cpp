@@ -145,7 +145,7 @@ void run_plane(RunFiles& files)
   const PatchPlan plan = plan_patches(options, mesh_options);
   if (options.pd.everywhere) {
     require_rows(options, plan.shapes[0].lattice.count);
-    if (const std::string thin = thin_warning(options, plan.shapes[0].lattice.count); !thin.empty()) files.warn(thin);
+    if (const std::string thin = thin_warning(options, plan); !thin.empty()) files.warn(thin);
   }
   mesh::Mesh mesh = mesh::build(files.comm(), mesh_options, cell_cost(plan));
   stop_if_told(files.comm());

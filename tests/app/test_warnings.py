@@ -74,8 +74,11 @@ class Warnings(program.ProgramTest):
             self.assertRegex(run.err, r"-pd_spacing is 0\.01: the body is one row.*along y.*8 rows or more\n$")
 
     def test_few_rows_are_told(self):
-        run = self.launch(BAR | {"-mesh_upper": "0.4,0.04"})
-        self.assert_warned(run, r"the body is 4 rows of particles thick along y, less than two horizons")
+        told = r"the body is 4 rows of particles thick along y, less than two horizons.*"
+        for correction, stiffness in (("none", r"0\.[4-8]\d* times as stiff.* in tension"), ("volume", "volume.*four 1.4 times"),
+                                      ("exact", r"(0\.9|1|1\.0)\d* times as stiff.* in tension")):
+            run = self.launch(BAR | {"-mesh_upper": "0.4,0.04", "-pd_surface_correction": correction})
+            self.assert_warned(run, told + stiffness)
 
     def test_no_contact_is_told(self):
         run = program.Run(*program.finish([program.PROGRAM, "-help"], program.ROOT), self.scratch)

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/app/cloud_body.hpp"
+#include "pdx/app/patches.hpp"
 
 namespace pdx::app {
 /// What is odd but allowed about a cloud, a line each: particles without a bond, particles so near to each other that
@@ -10,5 +11,6 @@ template <int Dim> std::vector<std::string> cloud_warnings(const SceneOptions& o
 template <std::size_t Dim> void require_rows(const SceneOptions& options, const std::array<Index, Dim>& count);
 
 /// Says how far a body of few rows is from one that is as stiff as its material; empty for a thick one.
-template <std::size_t Dim> std::string thin_warning(const SceneOptions& options, const std::array<Index, Dim>& count);
+std::string thin_warning(const SceneOptions& options, const PatchPlan& plan);
+std::string thin_warning(const SceneOptions& options, const std::array<Index, 3>& count);
 } // namespace pdx::app
