@@ -17,6 +17,8 @@ constexpr double kTipShare = 1e-9;
 /// Of a tip's reach: a bond that passes the tip within its reach crosses the crack no further behind it, unless it runs
 /// almost along the crack.
 constexpr double kBehindTip = 100.0;
+/// Of the prolongation: an end this near to another crack is on it.
+constexpr double kJunctionShare = 1e-6;
 constexpr double kShiftShare = 1e-10; // of the prolongation: above rounding, below kTipShare
 constexpr double kSharpest = 1e-6;    // 1 + cosine of the turn: below, corners are cut short
 
@@ -27,6 +29,15 @@ double distance(const Vector<2>& x, Vector<2> a, Vector<2> b)
   const Vector<2> along = b - a;
   const double t = std::clamp((x - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
   return (x - a - t * along).norm();
+}
+
+/// Is x on a crack other than the one of this number, to `reach` [m]?
+bool on_another(const std::vector<Polyline>& cracks, std::size_t number, const Vector<2>& x, double reach)
+{
+  for (std::size_t k = 0; k < cracks.size(); ++k)
+    for (std::size_t j = 0; k != number && j + 1 < cracks[k].size(); ++j)
+      if (distance(x, cracks[k][j], cracks[k][j + 1]) < reach) return true;
+  return false;
 }
 
 Vector<2> direction(const Vector<2>& from, const Vector<2>& to) { return (to - from).normalized(); }
@@ -97,16 +108,23 @@ CrackSet::CrackSet(std::vector<Polyline> cracks, const geom::Box<2>& body)
 CrackSet::CrackSet(std::vector<Polyline> cracks, const Inside& inside, double prolong)
 {
   for (std::size_t k = 0; k < cracks.size(); ++k) check(cracks[k], k);
-  for (Polyline& points : cracks) add(std::move(points), inside, prolong);
+  for (std::size_t k = 0; k < cracks.size(); ++k) {
+    const double reach = kJunctionShare * prolong;
+    add(cracks[k], inside, prolong, [&](const Vector<2>& end) { return on_another(cracks, k, end, reach); });
+  }
 }
 
-void CrackSet::add(Polyline points, const Inside& inside, double prolong)
+void CrackSet::add(const Polyline& points, const Inside& inside, double prolong, const Inside& joins)
 {
   Crack crack{points, points, {}, {}, {}, {}, kTipShare * prolong};
   const std::size_t end = points.size() - 1;
   for (const bool last : {false, true}) {
     const Vector<2>& at = last ? points[end] : points[0];
     const Vector<2> out = last ? direction(points[end - 1], at) : direction(points[1], at);
+    if (joins(at)) {
+      crack.seen.insert(last ? crack.seen.end() : crack.seen.begin(), at + 2.0 * kJunctionShare * prolong * out);
+      continue;
+    }
     if (inside(at)) {
       tips_.push_back({size(), last, at, out});
       crack.tips.push_back(at);

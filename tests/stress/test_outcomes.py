@@ -210,10 +210,13 @@ class Units(StressTest):
 
 class Pieces(StressTest):
     def test_a_sheet_torn_in_two_rests(self):
-        """Elements, a patch across, elements; and particles only: no force left, both halves moved as their grips."""
+        """Elements, a patch across, elements; and particles only: no force left, both halves moved as their grips.
+
+        In 16 steps: in 4 the sheet bursts in one of them, and threads of bonds stay between its shreds.
+        """
         for options in (NOTCHED, PARTICLES_TORN):
             with self.subTest(patches=options["-pd_patches"]):
-                runs = [self.solve(options, ranks) for ranks in (1, 2)]
+                runs = [self.solve(options | {"-load_steps": "16"}, ranks) for ranks in (1, 2)]
                 for run in runs:
                     history = self.assert_on_disk(run, "done")
                     peak = max(row["reaction_top_y"] for row in history)
@@ -229,18 +232,15 @@ class Pieces(StressTest):
         self.assertGreater(len(history), 0)
         self.assertLess(history[-1]["load"], 0.25)
 
-    def test_a_block_cut_out_stays(self):
-        """A fragment that nothing holds: the solver converges and it does not fly off, whichever way it is cut out."""
-        crossing = crossed_pairs(0.4, 0.6, 0.02)
-        meeting = crossed_pairs(0.4, 0.6, 0.0)
-        runs = program.in_pairs(lambda cracks: self.solve(INLAY | cracks), (crossing, meeting))
-        runs.append(self.solve(INLAY | crossing, ranks=2))
+    def test_a_block_cut_out_is_refused(self):
+        """A piece that nothing holds could be anywhere: said alike whichever way it is cut out, on any number of ranks."""
+        crossing, meeting = (INLAY | crossed_pairs(0.4, 0.6, over) for over in (0.02, 0.0))
+        runs = [self.launch(options, ranks) for options, ranks in ((crossing, 1), (crossing, 2), (meeting, 1))]
         for run in runs:
-            self.assert_on_disk(run, "done")
-            self.assertLess(run.summary["results"]["max_displacement_component"], 1.001e-3)
-            self.assertLess(run.summary["linear_iterations"], 60)
-            self.assertEqual(run.summary["results"]["particles_held"], 0)
-        self.assert_same_displacement(runs[0], runs[2], 1e-6)
+            self.assertEqual(run.status, 1, run.err)
+            self.assertEqual(run.err, runs[0].err)
+            for words in ("0 nodes and 64 particles", "slide along x and slide along y and rotate"):
+                self.assertIn(words, run.err)
 
     def test_a_particle_cut_out_is_held(self):
         """Sites lie at 0.2 + 0.025 (k + 1/2): one in the square from 0.5 to 0.525, whatever the horizon."""

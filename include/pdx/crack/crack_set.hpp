@@ -30,8 +30,9 @@ class CrackSet {
 public:
   CrackSet() = default;
   /// Ends inside the box are tips. Ends on its surface, to 1e-9 of its size, are mouths: the crack is seen as going on
-  /// straight for 1e-3 of the box's size, so that rounding leaves no skin. Throws UserError for a crack with fewer than
-  /// two points, equal neighbouring points, a point that is not finite, or one that turns back on or crosses itself.
+  /// straight for 1e-3 of the box's size, so that rounding leaves no skin. An end on another crack, to 1e-9 of the
+  /// box's size, is no tip but a junction, and goes on for twice that. Throws UserError for a crack with fewer than two
+  /// points, equal neighbouring points, a point that is not finite, or one that turns back on or crosses itself.
   CrackSet(std::vector<Polyline> cracks, const geom::Box<2>& body);
   /// As above for any body; a crack with an end that is not inside is prolonged there by `prolong` [m], unless that
   /// comes to lie inside again.
@@ -69,7 +70,7 @@ private:
   };
   struct Foot;
   static Foot foot(const Polyline& line, const Vector<2>& x);
-  void add(Polyline points, const Inside& inside, double prolong);
+  void add(const Polyline& points, const Inside& inside, double prolong, const Inside& joins);
 
   std::vector<Crack> cracks_;
   std::vector<Tip> tips_;

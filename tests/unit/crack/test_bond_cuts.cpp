@@ -27,6 +27,22 @@ TEST(BondCuts, CrossingIsCutBesideStays)
   EXPECT_FALSE(cuts(cracks, {2, 1.1}, {2.5, 2}));
 }
 
+TEST(BondCuts, AnEndOnAnotherCrackIsAJunction)
+{
+  // The sides of a square, each a crack of its own, two of them seen from the other end; and a T within a piece.
+  const CrackSet square({{{1, 1}, {3, 1}}, {{3, 3}, {3, 1}}, {{3, 3}, {1, 3}}, {{1, 1}, {1, 3}}}, kBody);
+  EXPECT_TRUE(square.tips().empty());
+  for (const Vector<2>& corner : {Vector<2>(1, 1), Vector<2>(3, 1), Vector<2>(3, 3), Vector<2>(1, 3)}) {
+    const Vector<2> out = corner - Vector<2>(2, 2);
+    EXPECT_TRUE(cuts(square, corner - 0.25 * out, corner + 0.25 * out));
+    EXPECT_FALSE(cuts(square, corner + 0.25 * out, corner + 0.5 * out));
+  }
+  const CrackSet tee({{{1, 1}, {3, 1}}, {{2, 1}, {2, 3}}}, kBody);
+  ASSERT_EQ(tee.tips().size(), 3u); // both ends of the first, the far end of the second
+  EXPECT_TRUE(cuts(tee, {1.5, 1.0625}, {2.5, 1.0625}));
+  EXPECT_FALSE(cuts(tee, {1.5, 0.999}, {2.5, 0.999})); // beyond the other crack nothing is cut
+}
+
 TEST(BondCuts, MeetingOnlyTheTipStays)
 {
   for (const Polyline& line : {Polyline{{1, 1}, {3, 1}}, Polyline{{3, 1}, {1, 1}}}) {
