@@ -143,6 +143,7 @@ void run_plane(RunFiles& files)
   const SceneOptions& options = files.options;
   mesh::MeshOptions mesh_options = options.mesh;
   const PatchPlan plan = plan_patches(options, mesh_options);
+  if (const std::string other = correction_warning(options, plan); !other.empty()) files.warn(other);
   if (options.pd.everywhere) {
     require_rows(options, plan.shapes[0].lattice.count);
     if (const std::string thin = thin_warning(options, plan); !thin.empty()) files.warn(thin);

@@ -5,6 +5,7 @@
 #include "pdx/app/output_blocks.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/base/machine_failure.hpp"
+#include "pdx/base/shown.hpp"
 #include "pdx/io/agree.hpp"
 #include "pdx/io/earlier_files.hpp"
 
@@ -177,7 +178,7 @@ void RunFiles::warn(const std::string& what) const
 {
   int rank = 0;
   MPI_Comm_rank(comm_, &rank);
-  if (rank == 0) fmt::print(stderr, "warning: {}\n", what);
+  if (rank == 0) fmt::print(stderr, "warning: {}\n", as_one_line(what));
 }
 
 std::filesystem::path RunFiles::summary_path() const

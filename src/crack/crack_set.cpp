@@ -99,19 +99,19 @@ struct CrackSet::Foot {
 };
 
 CrackSet::CrackSet(std::vector<Polyline> cracks, const geom::Box<2>& body)
-    : CrackSet(
-          std::move(cracks),
-          [&body](const Vector<2>& x) { return body.contains(x, -kSurface * body.size().maxCoeff()); },
-          kProlong * body.size().maxCoeff())
-{}
+{
+  const double size = body.size().maxCoeff(), prolong = kProlong * size;
+  for (std::size_t k = 0; k < cracks.size(); ++k) check(cracks[k], k);
+  for (std::size_t k = 0; k < cracks.size(); ++k)
+    add(
+        cracks[k], [&](const Vector<2>& x) { return body.contains(x, -kSurface * size); }, prolong,
+        [&](const Vector<2>& end) { return on_another(cracks, k, end, kJunctionShare * prolong); });
+}
 
 CrackSet::CrackSet(std::vector<Polyline> cracks, const Inside& inside, double prolong)
 {
   for (std::size_t k = 0; k < cracks.size(); ++k) check(cracks[k], k);
-  for (std::size_t k = 0; k < cracks.size(); ++k) {
-    const double reach = kJunctionShare * prolong;
-    add(cracks[k], inside, prolong, [&](const Vector<2>& end) { return on_another(cracks, k, end, reach); });
-  }
+  for (const Polyline& points : cracks) add(points, inside, prolong, [](const Vector<2>&) { return false; });
 }
 
 void CrackSet::add(const Polyline& points, const Inside& inside, double prolong, const Inside& joins)

@@ -19,6 +19,19 @@ struct stat status_of(int file)
   return status;
 }
 
+/// Calls move(pointer, bytes, place), which may do a part only, until all is done; 0 or what went wrong.
+template <class Byte, class Move> int in_pieces(std::span<Byte> bytes, std::uint64_t at, Move&& move)
+{
+  while (!bytes.empty()) {
+    const ssize_t done = move(bytes.data(), std::min(bytes.size(), kMostBytes), static_cast<off_t>(at));
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) return done < 0 ? errno : EIO;
+    bytes = bytes.subspan(static_cast<std::size_t>(done));
+    at += static_cast<std::uint64_t>(done);
+  }
+  return 0;
+}
+
 /// Some file systems have no fsync for what was opened.
 bool cannot_sync(int code) { return code == EINVAL || code == ENOTSUP || code == ENOSYS; }
 } // namespace
@@ -33,14 +46,7 @@ int DiskFile::open(const std::filesystem::path& path, int flags)
 
 int DiskFile::write(std::span<const std::byte> bytes, std::uint64_t at)
 {
-  while (!bytes.empty()) {
-    const ssize_t done = pwrite(file_, bytes.data(), std::min(bytes.size(), kMostBytes), static_cast<off_t>(at));
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) return done < 0 ? errno : EIO;
-    bytes = bytes.subspan(static_cast<std::size_t>(done));
-    at += static_cast<std::uint64_t>(done);
-  }
-  return 0;
+  return in_pieces(bytes, at, [this](auto... what) { return pwrite(file_, what...); });
 }
 
 int DiskFile::append(std::span<const std::byte> bytes)
@@ -53,14 +59,7 @@ int DiskFile::append(std::span<const std::byte> bytes)
 
 int DiskFile::read(std::span<std::byte> bytes, std::uint64_t at) const
 {
-  while (!bytes.empty()) {
-    const ssize_t done = pread(file_, bytes.data(), std::min(bytes.size(), kMostBytes), static_cast<off_t>(at));
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) return done < 0 ? errno : EIO;
-    bytes = bytes.subspan(static_cast<std::size_t>(done));
-    at += static_cast<std::uint64_t>(done);
-  }
-  return 0;
+  return in_pieces(bytes, at, [this](auto... what) { return pread(file_, what...); });
 }
 
 int DiskFile::extend(std::uint64_t to)

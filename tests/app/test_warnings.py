@@ -80,6 +80,19 @@ class Warnings(program.ProgramTest):
             run = self.launch(BAR | {"-mesh_upper": "0.4,0.04", "-pd_surface_correction": correction})
             self.assert_warned(run, told + stiffness)
 
+    def test_too_few_bonds_for_exact_sides(self):
+        few = BAR | {"-mesh_upper": "0.4,0.08", "-pd_horizon_ratio": "2"}
+        self.assert_warned(self.launch(few), r"-pd_surface_correction: bonds of -pd_horizon_ratio 2 are too few.*volume")
+        self.assertEqual(self.launch(few | {"-pd_surface_correction": "volume"}).err, "")
+
+    def test_a_poisson_ratio_that_is_nearly_that_of_bonds(self):
+        thick = BAR | {"-mesh_upper": "0.4,0.08"}
+        self.assert_warned(self.launch(thick | {"-material_poisson": "0.333"}), r"-material_poisson is 0\.333.*1/3")
+        for poisson in ("0.33", "0.3"):
+            run = self.launch(thick | {"-material_poisson": poisson}, ranks=2)
+            self.assertEqual(run.status, 1)
+            self.assertRegex(run.err, r"^error: -material_poisson is " + poisson + r"\b[^\n]*0\.333333 in plane stress[^\n]*\n$")
+
     def test_no_contact_is_told(self):
         run = program.Run(*program.finish([program.PROGRAM, "-help"], program.ROOT), self.scratch)
         self.assertIn("there is no contact", run.out)

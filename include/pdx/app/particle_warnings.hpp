@@ -13,4 +13,7 @@ template <std::size_t Dim> void require_rows(const SceneOptions& options, const 
 /// Says how far a body of few rows is from one that is as stiff as its material; empty for a thick one.
 std::string thin_warning(const SceneOptions& options, const PatchPlan& plan);
 std::string thin_warning(const SceneOptions& options, const std::array<Index, 3>& count);
+
+/// Says that the default correction of free sides had to give way to `volume`; empty where it had not.
+std::string correction_warning(const SceneOptions& options, const PatchPlan& plan);
 } // namespace pdx::app
