@@ -146,9 +146,16 @@ std::string thin_warning(const SceneOptions& options, const std::array<Index, 3>
 std::string correction_warning(const SceneOptions& options, const PatchPlan& plan)
 {
   if (options.pd.surface_correction != SurfaceCorrection::automatic || plan.sides.empty() || plan.sides[0]) return {};
-  return fmt::format("-pd_surface_correction: bonds of -pd_horizon_ratio {} are too few for exact free sides, volume is "
-                     "taken, which makes thin bodies of particles too stiff; a ratio of 3 to 6 has exact ones",
-                     options.pd.horizon_ratio);
+  const bool box_mesh = options.mesh.file.empty();
+  const double near = 1e-6 * plan.shapes[0].lattice.dx;
+  const bool inside = box_mesh && std::ranges::all_of(plan.shapes, [&](const couple::PatchShape& shape) {
+                        return plan.body.contains(shape.box.lower, -near) && plan.body.contains(shape.box.upper, -near);
+                      });
+  if (inside && options.cracks.lines.empty()) return {}; // no free side is met
+  return fmt::format(
+      "-pd_surface_correction: bonds of -pd_horizon_ratio {} are too few for exact free sides, volume is "
+      "taken, which makes thin bodies of particles too stiff; a ratio of 3 to 6 has exact ones",
+      options.pd.horizon_ratio);
 }
 
 template std::vector<std::string> cloud_warnings<2>(const SceneOptions&, const CloudBody<2>&);

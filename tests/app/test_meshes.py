@@ -23,6 +23,7 @@ PATCH = {"-pd_patches": "0.1,0.3,0.4,0.7", "-pd_spacing": "0.0125"}
 TO_BREAK = {
     "-pd_critical_stretch": "2e-3",
     "-pd_horizon_ratio": "1.5",
+    "-pd_surface_correction": "volume",
     "-load_steps": "8",
     "-load_broken_share": "1",
 }
