@@ -195,7 +195,7 @@ CrackState crack_state(const Discretisation& d)
   state.farthest_broken.assign(tips, 0.0);
   for (int k = 0; k < d.cracks.size(); ++k) state.length += length_inside(d, k);
   if (!d.bonds) return state;
-  for (const post::TipGrowth& growth : post::crack_growth(d.system.rows.comm, d.bonds->parts(), d.cracks)) {
+  for (const post::TipGrowth& growth : post::crack_growth(d.system.rows.comm, d.bonds->parts(), d.cracks, &d.seams)) {
     state.first_intact[growth.tip] = growth.first_intact;
     state.farthest_broken[growth.tip] = growth.farthest_broken;
     state.length += growth.farthest_broken;

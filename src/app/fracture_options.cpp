@@ -136,8 +136,8 @@ PostOptions PostOptions::read()
   if (p.j_domain && ring[0] >= ring[1])
     throw UserError(
         fmt::format("-post_j_domain is {},{}: the inner half-width must be below the outer", ring[0], ring[1]));
-  p.energy_release =
-      o.boolean("-post_energy_release", false, "J as -dPi/da: two more solves, the tip moved by a spacing");
+  p.energy_release = o.boolean("-post_energy_release", false,
+                               "J as -dPi/da: two more solves, the tip moved either way by a lattice period");
   p.tip_damage = o.real("-post_tip_damage", p.tip_damage, "-",
                         "in time: damage, precrack included, from which a particle lies beside a crack", {0.0, 1.0});
   p.precrack_as_damage = o.boolean("-post_precrack_as_damage", false, "count the bonds of given cracks as damage");

@@ -1,6 +1,7 @@
 #include "pdx/app/last_words.hpp"
 
 #include "pdx/base/memory.hpp"
+#include "pdx/base/shown.hpp"
 #include "pdx/io/run_lock.hpp"
 
 #include <csignal>
@@ -33,7 +34,7 @@ void limit_time() noexcept
 
 void print(const std::string& why)
 {
-  const std::string line = "error: " + why + "\n";
+  const std::string line = "error: " + as_one_line(why) + "\n";
   (void)!write(STDERR_FILENO, line.data(), line.size());
 }
 

@@ -59,7 +59,7 @@ template <class Body> int reported(Body&& body)
   } catch (const std::bad_alloc&) {
     (void)pdx::app::LastWords::say(pdx::memory_ran_out());
   } catch (const std::exception& e) {
-    (void)pdx::app::LastWords::say(pdx::as_one_line(e.what()));
+    (void)pdx::app::LastWords::say(e.what());
   }
   return pdx::app::LastWords::end();
 }

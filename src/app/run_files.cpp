@@ -4,6 +4,7 @@
 #include "pdx/app/last_words.hpp"
 #include "pdx/app/output_blocks.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/base/given_options.hpp"
 #include "pdx/base/machine_failure.hpp"
 #include "pdx/base/shown.hpp"
 #include "pdx/io/agree.hpp"
@@ -14,12 +15,25 @@
 #include <utility>
 
 namespace pdx::app {
+namespace {
+/// A run must not write over what it reads; a checkpoint is read before it is written.
+void refuse_own_inputs(const std::string& directory)
+{
+  for (const auto& [name, option] : given_options())
+    if ((name == "-pd_cloud" || name.ends_with("_file")) && io::is_output_of(option.value, directory))
+      throw UserError(
+          fmt::format("{} is {}: a run with -output_dir {} writes a file of that name: give another directory", name,
+                      shown_path(option.value), shown_path(directory)));
+}
+} // namespace
+
 RunFiles::RunFiles(MPI_Comm comm, const SceneOptions& given, double begin)
     : options(given), progress(comm, given.output.quiet), comm_(comm), begin_(begin)
 {
   summary.case_name = options.case_name;
   io::create_directory(comm, options.output.directory);
   lock_ = std::make_unique<io::RunLock>(comm, options.output.directory);
+  refuse_own_inputs(options.output.directory);
 }
 
 Standing::Standing(mesh::Mesh* background, const Solid* space) : mesh(background), solid(space), model(space) {}

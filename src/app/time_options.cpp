@@ -14,6 +14,8 @@
 
 namespace pdx::app {
 namespace {
+bool names_time(std::string_view word) { return word == "t" || word.starts_with("time") || word.starts_with("Time"); }
+
 /// A time and a factor a line, commas or blanks between; # begins a comment, and a first line of words is a header.
 field::History read_table(const std::string& option, const std::string& name)
 {
@@ -27,6 +29,8 @@ field::History read_table(const std::string& option, const std::string& name)
       return !word.empty() && std::isalpha(static_cast<unsigned char>(word[0])) && !real_in(word);
     });
     if (points.empty() && !headed && letters) {
+      if (!names_time(words[0]) && std::ranges::any_of(words, names_time))
+        file.refuse(fmt::format("names the columns \"{}\": the first must be the time", shown(file.line())));
       headed = true;
       continue;
     }

@@ -54,7 +54,7 @@ TextFile::TextFile(const std::string& option, const std::filesystem::path& path)
 }
 
 bool TextFile::next()
-{
+try {
   using Traits = std::ifstream::traits_type;
   std::filebuf& buffer = *file_.rdbuf();
   line_.clear();
@@ -69,6 +69,8 @@ bool TextFile::next()
     line_.push_back(byte);
   }
   return true;
+} catch (const std::ios_base::failure&) {
+  throw UserError(fmt::format("{}: cannot be read beyond line {} ({})", name_, number_, std::strerror(errno)));
 }
 
 std::string TextFile::where() const { return fmt::format("{}, line {}", name_, number_); }

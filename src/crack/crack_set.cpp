@@ -31,13 +31,36 @@ double distance(const Vector<2>& x, Vector<2> a, Vector<2> b)
   return (x - a - t * along).norm();
 }
 
-/// Is x on a crack other than the one of this number, to `reach` [m]?
-bool on_another(const std::vector<Polyline>& cracks, std::size_t number, const Vector<2>& x, double reach)
+/// The first crack other than the one of this number that x lies on, to `reach` [m]; -1: none.
+int other_at(const std::vector<Polyline>& cracks, std::size_t number, const Vector<2>& x, double reach)
 {
   for (std::size_t k = 0; k < cracks.size(); ++k)
     for (std::size_t j = 0; k != number && j + 1 < cracks[k].size(); ++j)
-      if (distance(x, cracks[k][j], cracks[k][j + 1]) < reach) return true;
-  return false;
+      if (distance(x, cracks[k][j], cracks[k][j + 1]) < reach) return static_cast<int>(k);
+  return -1;
+}
+
+/// Do two pieces share more than a point, to `reach` [m]?
+bool run_along(const std::array<Vector<2>, 2>& p, const std::array<Vector<2>, 2>& q, double reach)
+{
+  Polyline shared; // ends of either on the other
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (distance(p[k], q[0], q[1]) < reach) shared.push_back(p[k]);
+    if (distance(q[k], p[0], p[1]) < reach) shared.push_back(q[k]);
+  }
+  return std::any_of(shared.begin(), shared.end(),
+                     [&](const Vector<2>& x) { return (x - shared.front()).norm() > 2.0 * reach; });
+}
+
+void refuse_doubles(const std::vector<Polyline>& cracks, double reach)
+{
+  for (std::size_t a = 0; a < cracks.size(); ++a)
+    for (std::size_t b = a + 1; b < cracks.size(); ++b)
+      for (std::size_t i = 0; i + 1 < cracks[a].size(); ++i)
+        for (std::size_t j = 0; j + 1 < cracks[b].size(); ++j)
+          if (run_along({cracks[a][i], cracks[a][i + 1]}, {cracks[b][j], cracks[b][j + 1]}, reach))
+            throw UserError(
+                fmt::format("cracks {} and {} run along each other: give each piece of the line once", a + 1, b + 1));
 }
 
 Vector<2> direction(const Vector<2>& from, const Vector<2>& to) { return (to - from).normalized(); }
@@ -102,26 +125,28 @@ CrackSet::CrackSet(std::vector<Polyline> cracks, const geom::Box<2>& body)
 {
   const double size = body.size().maxCoeff(), prolong = kProlong * size;
   for (std::size_t k = 0; k < cracks.size(); ++k) check(cracks[k], k);
+  refuse_doubles(cracks, kJunctionShare * prolong);
   for (std::size_t k = 0; k < cracks.size(); ++k)
     add(
         cracks[k], [&](const Vector<2>& x) { return body.contains(x, -kSurface * size); }, prolong,
-        [&](const Vector<2>& end) { return on_another(cracks, k, end, kJunctionShare * prolong); });
+        [&](const Vector<2>& end) { return other_at(cracks, k, end, kJunctionShare * prolong); });
 }
 
 CrackSet::CrackSet(std::vector<Polyline> cracks, const Inside& inside, double prolong)
 {
   for (std::size_t k = 0; k < cracks.size(); ++k) check(cracks[k], k);
-  for (const Polyline& points : cracks) add(points, inside, prolong, [](const Vector<2>&) { return false; });
+  for (const Polyline& points : cracks) add(points, inside, prolong, [](const Vector<2>&) { return -1; });
 }
 
-void CrackSet::add(const Polyline& points, const Inside& inside, double prolong, const Inside& joins)
+void CrackSet::add(const Polyline& points, const Inside& inside, double prolong, const Joins& joins)
 {
   Crack crack{points, points, {}, {}, {}, {}, kTipShare * prolong};
   const std::size_t end = points.size() - 1;
   for (const bool last : {false, true}) {
     const Vector<2>& at = last ? points[end] : points[0];
     const Vector<2> out = last ? direction(points[end - 1], at) : direction(points[1], at);
-    if (joins(at)) {
+    if (const int other = joins(at); other >= 0) {
+      junctions_.push_back({size(), other, at});
       crack.seen.insert(last ? crack.seen.end() : crack.seen.begin(), at + 2.0 * kJunctionShare * prolong * out);
       continue;
     }

@@ -36,10 +36,11 @@ template <class Byte, class Move> int in_pieces(std::span<Byte> bytes, std::uint
 bool cannot_sync(int code) { return code == EINVAL || code == ENOTSUP || code == ENOSYS; }
 } // namespace
 
+/// A pipe that nobody reads fails instead of waiting.
 int DiskFile::open(const std::filesystem::path& path, int flags)
 {
   (void)close();
-  do file_ = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+  do file_ = ::open(path.c_str(), flags | O_CLOEXEC | O_NONBLOCK, 0666);
   while (file_ < 0 && errno == EINTR);
   return file_ < 0 ? errno : 0;
 }

@@ -1,5 +1,6 @@
 #include "pdx/io/earlier_files.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <string_view>
 
@@ -56,5 +57,13 @@ std::vector<std::string> clear_earlier_files(const std::filesystem::path& direct
     if (!error) gone.emplace_back(output.name);
   }
   return gone;
+}
+
+bool is_output_of(const std::filesystem::path& file, const std::filesystem::path& directory)
+{
+  std::error_code none;
+  return std::ranges::any_of(outputs(), [&](const Output& output) {
+    return std::filesystem::equivalent(file, directory / output.name, none);
+  });
 }
 } // namespace pdx::io

@@ -59,7 +59,8 @@ double way_ahead(const crack::CrackSet& cracks, const crack::Tip& tip, double re
 }
 
 /// What this rank's particles know: bonds that start at them.
-void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, TipGrowth& growth)
+void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, const crack::CrackSet* seams,
+          TipGrowth& growth)
 {
   const crack::Tip& tip = cracks.tips()[growth.tip];
   const geom::Lattice<2>& lattice = part.lattice();
@@ -83,7 +84,7 @@ void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, TipGrow
       if (!distance || *distance > way + rounding) continue;
       if (intact[h])
         growth.first_intact = std::min(growth.first_intact, *distance);
-      else if (*distance > growth.farthest_broken && !cracks.cuts(a, b))
+      else if (*distance > growth.farthest_broken && !cracks.cuts(a, b) && !(seams && seams->cuts(a, b)))
         growth.farthest_broken = *distance;
     }
   }
@@ -91,7 +92,7 @@ void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, TipGrow
 } // namespace
 
 std::vector<TipGrowth> crack_growth(MPI_Comm comm, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
-                                    const crack::CrackSet& cracks)
+                                    const crack::CrackSet& cracks, const crack::CrackSet* seams)
 {
   std::vector<TipGrowth> all;
   std::vector<double> nearest; // first_intact and -farthest_broken, for one minimum over ranks
@@ -99,7 +100,7 @@ std::vector<TipGrowth> crack_growth(MPI_Comm comm, std::span<const std::unique_p
     const std::optional<std::size_t> patch = patch_of(parts, cracks.tips()[t].at);
     if (!patch) continue;
     TipGrowth growth{t, *patch, std::numeric_limits<double>::infinity(), 0.0};
-    look(*parts[*patch], cracks, growth);
+    look(*parts[*patch], cracks, seams, growth);
     nearest.insert(nearest.end(), {growth.first_intact, -growth.farthest_broken});
     all.push_back(growth);
   }

@@ -26,6 +26,7 @@ double smallest_edge(const mesh::Mesh& mesh)
 struct Found {
   std::vector<CellCut> cuts;     ///< ascending by cell
   std::vector<std::size_t> tips; ///< numbers of the tips that lie in owned elements
+  std::vector<std::size_t> ends; ///< numbers of the junctions that do
 };
 
 /// Is x in the cell, grown by `margin` on every side?
@@ -50,12 +51,17 @@ Found find_everything(const mesh::Mesh& mesh, const crack::CrackSet& cracks)
         CellCut& kept = found.cuts.emplace_back(CellCut{cut.cell, crack, {}});
         for (std::size_t a = 0; a < 4; ++a)
           kept.distance[a] = cuts.distance[static_cast<std::size_t>(mesh.cell(cut.cell)[a])];
-      } else if (cut.cell < mesh.owned_cells())
+      } else if (cut.cell < mesh.owned_cells()) {
+        for (std::size_t j = 0; j < cracks.junctions().size(); ++j)
+          if (cracks.junctions()[j].crack == crack &&
+              holds(mesh.corners(cut.cell), cracks.junctions()[j].at, tolerance))
+            found.ends.push_back(j);
         for (std::size_t t = 0; t < cracks.tips().size(); ++t) {
           const crack::Tip& tip = cracks.tips()[t];
           // A tip just before an edge lies in the next cell: within the tolerance, and its rounding.
           if (tip.crack == crack && holds(mesh.corners(cut.cell), tip.at, 2.0 * tolerance)) found.tips.push_back(t);
         }
+      }
     }
   }
   std::ranges::stable_sort(found.cuts, {}, &CellCut::cell);
@@ -129,6 +135,18 @@ Enrichment enrich_together(const mesh::Mesh& mesh, const MeshView& view, std::sp
   }
 }
 
+/// Refuses the first crack that ends on another inside an element, where it closes at an edge before. Collective.
+void refuse_ends(const mesh::Mesh& mesh, const crack::CrackSet& cracks, const std::vector<std::size_t>& mine)
+{
+  const std::vector<std::size_t> all = gather_all(mesh.comm(), mine);
+  if (all.empty()) return;
+  const crack::Junction& first = cracks.junctions()[*std::ranges::min_element(all)];
+  throw UserError(
+      fmt::format("crack {} ends on crack {} inside an element, ({:g}, {:g}) from the body's corner; an element "
+                  "opens along one crack: give one line through both, or put a patch there",
+                  first.crack + 1, first.other + 1, first.at[0], first.at[1]));
+}
+
 std::vector<Vector<2>> closed_tips(const mesh::Mesh& mesh, const crack::CrackSet& cracks,
                                    const std::vector<std::size_t>& mine)
 {
@@ -146,6 +164,7 @@ EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, cons
 {
   const Found found = find_everything(mesh, cracks);
   refuse_junctions(mesh, found.cuts);
+  refuse_ends(mesh, cracks, found.ends);
   std::vector<Index> active;
   for (Index c = 0; c < mesh.cells(); ++c)
     if (mesh.use(c) != mesh::Use::covered) active.push_back(c);

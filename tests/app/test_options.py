@@ -119,6 +119,11 @@ CASES = [
     Case("a pipe", "", r"-options_file pipe: .*pipe", ("-options_file", "pipe")),
     Case("a file of YAML", "", r"-options_file a\.yaml: YAML is not read", ("-options_file", "a.yaml"), {"a.yaml": "a: [\n"}),
     Case("a mesh that is a pipe", lines(mistakes.FILE | {"-mesh_file": "pipe"}), r"-mesh_file pipe"),
+    Case("a file that fails while it is read", "", r"-options_file /proc/self/mem: cannot be read beyond line \d+ \(",
+         ("-options_file", "/proc/self/mem")),
+    Case("cracks that fail while they are read", PLATE + "-crack_file /proc/self/mem\n", r"-crack_file /proc/self/mem: cannot be read"),
+    Case("a cloud that the run would write over", lines(mistakes.CLOUD | {"-pd_cloud": "history.csv", "-output_dir": "."}),
+         r"-pd_cloud is history\.csv: a run with -output_dir \. writes a file of that name", files={"history.csv": CLOUD}),
     Case("cracks from a pipe", PLATE + "-crack_file pipe\n", r"-crack_file pipe: .*pipe"),
     # --- the command line
     words("a list with blanks", ("-mesh_lower", "0,", "0")),
@@ -167,6 +172,7 @@ CASES = [
     cracks("cracks with a comma too many", "0,0.55,,1,0.55\n", r"a\.cracks, line 1: an item is empty"),
     shaken("history with a mark", MARK + "time,factor\n0,0\n1e-3,1\n"),
     shaken("history of an old Macintosh", "time,factor\r0,0\r+1e-3,1\r"),
+    shaken("history with its columns exchanged", "factor,time\n0,0\n1,1e-3\n", r"a\.csv, line 1: .*first must be the time"),
     shaken("history with a third column", "0,0,0\n", r"a\.csv, line 1: has 3 items"),
 ]
 

@@ -19,6 +19,12 @@ struct Tip {
   Vector<2> direction = Vector<2>::UnitX(); ///< unit vector out of the crack, the way it would grow on
 };
 
+/// An end of a crack on another crack.
+struct Junction {
+  int crack = 0, other = 0;         ///< number of the crack that ends, and of the one it ends on
+  Vector<2> at = Vector<2>::Zero(); ///< [m]
+};
+
 /// The cracks of a scene, and every question about where they are. In space they reach through the thickness: only x
 /// and y of a point matter.
 ///
@@ -32,7 +38,8 @@ public:
   /// Ends inside the box are tips. Ends on its surface, to 1e-9 of its size, are mouths: the crack is seen as going on
   /// straight for 1e-3 of the box's size, so that rounding leaves no skin. An end on another crack, to 1e-9 of the
   /// box's size, is no tip but a junction, and goes on for twice that. Throws UserError for a crack with fewer than two
-  /// points, equal neighbouring points, a point that is not finite, or one that turns back on or crosses itself.
+  /// points, equal neighbouring points, a point that is not finite, or one that turns back on or crosses itself, and
+  /// for two cracks that run along each other.
   CrackSet(std::vector<Polyline> cracks, const geom::Box<2>& body);
   /// As above for any body; a crack with an end that is not inside is prolonged there by `prolong` [m], unless that
   /// comes to lie inside again.
@@ -42,6 +49,7 @@ public:
   bool empty() const { return cracks_.empty(); }
   const Polyline& points(int crack) const { return cracks_[static_cast<std::size_t>(crack)].given; } ///< as given
   std::span<const Tip> tips() const { return tips_; }
+  std::span<const Junction> junctions() const { return junctions_; }
   double length(int crack) const; ///< as given [m]
 
   /// +1 left of the crack and on it, -1 right; never 0. Beyond an end: of its straight prolongation.
@@ -70,9 +78,11 @@ private:
   };
   struct Foot;
   static Foot foot(const Polyline& line, const Vector<2>& x);
-  void add(const Polyline& points, const Inside& inside, double prolong, const Inside& joins);
+  using Joins = std::function<int(const Vector<2>&)>; // number of the crack that an end lies on, -1: none
+  void add(const Polyline& points, const Inside& inside, double prolong, const Joins& joins);
 
   std::vector<Crack> cracks_;
   std::vector<Tip> tips_;
+  std::vector<Junction> junctions_;
 };
 } // namespace pdx::crack

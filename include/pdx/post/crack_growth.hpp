@@ -13,8 +13,8 @@ struct TipGrowth {
 };
 
 /// Growth from each tip inside a patch; bonds of that patch only, and not beyond another crack (half way to a tip that
-/// faces it). A particle on the prolongation counts as left of it.
-/// Collective; `parts` are those of a pd::BondTerm, in the same order on every rank.
+/// faces it). Bonds that seams of the mesh cut are not broken ones. A particle on the prolongation counts as left of
+/// it. Collective; `parts` are those of a pd::BondTerm, in the same order on every rank.
 std::vector<TipGrowth> crack_growth(MPI_Comm comm, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
-                                    const crack::CrackSet& cracks);
+                                    const crack::CrackSet& cracks, const crack::CrackSet* seams = nullptr);
 } // namespace pdx::post

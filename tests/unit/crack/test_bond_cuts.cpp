@@ -1,3 +1,4 @@
+#include "pdx/base/error.hpp"
 #include "pdx/crack/crack_set.hpp"
 
 #include <cmath>
@@ -37,10 +38,21 @@ TEST(BondCuts, AnEndOnAnotherCrackIsAJunction)
     EXPECT_TRUE(cuts(square, corner - 0.25 * out, corner + 0.25 * out));
     EXPECT_FALSE(cuts(square, corner + 0.25 * out, corner + 0.5 * out));
   }
+  ASSERT_EQ(square.junctions().size(), 8u);
+  EXPECT_EQ(square.junctions()[1].other, 1); // the first crack's last point
   const CrackSet tee({{{1, 1}, {3, 1}}, {{2, 1}, {2, 3}}}, kBody);
   ASSERT_EQ(tee.tips().size(), 3u); // both ends of the first, the far end of the second
   EXPECT_TRUE(cuts(tee, {1.5, 1.0625}, {2.5, 1.0625}));
   EXPECT_FALSE(cuts(tee, {1.5, 0.999}, {2.5, 0.999})); // beyond the other crack nothing is cut
+}
+
+TEST(BondCuts, CracksThatRunAlongEachOtherAreRefused)
+{
+  const Polyline line{{1, 1}, {3, 1}};
+  for (const Polyline& other :
+       {line, Polyline{{3, 1}, {1, 1}}, Polyline{{2, 1}, {5, 1}}, Polyline{{2, 3}, {2, 1}, {2.5, 1}}})
+    EXPECT_THROW(CrackSet({line, other}, kBody), UserError);
+  EXPECT_NO_THROW(CrackSet({line, {{3, 1}, {5, 1}}, {{2, 0}, {2, 3}}, {{1, 1.001}, {3, 1.001}}}, kBody));
 }
 
 TEST(BondCuts, MeetingOnlyTheTipStays)
