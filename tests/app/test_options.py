@@ -119,7 +119,7 @@ CASES = [
     Case("a pipe", "", r"-options_file pipe: .*pipe", ("-options_file", "pipe")),
     Case("a file of YAML", "", r"-options_file a\.yaml: YAML is not read", ("-options_file", "a.yaml"), {"a.yaml": "a: [\n"}),
     Case("a mesh that is a pipe", lines(mistakes.FILE | {"-mesh_file": "pipe"}), r"-mesh_file pipe"),
-    Case("a file that fails while it is read", "", r"-options_file /proc/self/mem: cannot be read beyond line \d+ \(",
+    Case("a file that fails while it is read", "", r"^error: /proc/self/mem: cannot be read beyond line \d+ \(",
          ("-options_file", "/proc/self/mem")),
     Case("cracks that fail while they are read", PLATE + "-crack_file /proc/self/mem\n", r"-crack_file /proc/self/mem: cannot be read"),
     Case("a cloud that the run would write over", lines(mistakes.CLOUD | {"-pd_cloud": "history.csv", "-output_dir": "."}),
