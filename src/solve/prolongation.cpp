@@ -36,7 +36,9 @@ Prolongation::Prolongation(const field::System& system, const field::CoarseSpace
     PDX_CALL(MatShellSetOperation(shell.get(), MATOP_MULT_TRANSPOSE, reinterpret_cast<void (*)()>(multiply_transpose)));
   };
   make(prolongation_, fine, below, prolong, restrict_to);
-  make(restriction_, below, fine, restrict_to, prolong);
+  // Of a square restriction PETSc 3.18 asks for the product, 3.22 for the transpose's; both mean to restrict.
+  const bool square = coarse.halo().rows().total == system.rows.total;
+  make(restriction_, below, fine, restrict_to, square ? restrict_to : prolong);
 }
 
 void Prolongation::mask(double* fine) const
