@@ -73,21 +73,26 @@ private:
   /// Rows of owned particles in the first `count` rows under an edge; every particle under exactly one edge.
   std::vector<Index> particles_under(const CoveredEdge& edge, int count) const
   {
-    const auto& lattice = plan_.shapes[static_cast<std::size_t>(edge.patch)].lattice;
+    const auto& shape = plan_.shapes[static_cast<std::size_t>(edge.patch)];
+    const auto& lattice = shape.lattice;
     const int along = std::abs(edge.b[0] - edge.a[0]) > std::abs(edge.b[1] - edge.a[1]) ? 0 : 1;
     const auto s = static_cast<std::size_t>(along), n = 1 - s;
     const auto first = [&](double x, std::size_t d) {
       return static_cast<Index>(
           std::ceil((x - lattice.origin[static_cast<Eigen::Index>(d)]) / lattice.dx - 0.5 - 1e-6));
     };
-    const bool low = first(edge.a[n], n) <= 0; // the edge lies on the lower border of the lattice
+    const Index line = first(edge.a[n], n);
     std::vector<Index> rows;
     Site<2> site{};
+    site[s] = first(std::min(edge.a[s], edge.b[s]), s);
+    site[n] = line - 1;
+    const bool low = !shape.active.has(site); // the patch lies above the edge
     for (Index k = 0; k < std::min<Index>(count, lattice.count[n]); ++k)
       for (site[s] = first(std::min(edge.a[s], edge.b[s]), s); site[s] < first(std::max(edge.a[s], edge.b[s]), s);
            ++site[s]) {
-        site[n] = low ? k : lattice.count[n] - 1 - k;
-        const auto at = row_of_.find({edge.patch, static_cast<Index>(lattice.number(site))});
+        site[n] = low ? line + k : line - 1 - k;
+        if (!shape.active.has(site)) continue;
+        const auto at = row_of_.find({edge.patch, static_cast<Index>(shape.active.place(site))});
         if (at != row_of_.end()) rows.push_back(at->second);
       }
     return rows;

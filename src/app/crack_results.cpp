@@ -18,7 +18,7 @@ namespace {
 std::optional<std::size_t> patch_at(const PatchPlan& plan, const Vector<2>& x)
 {
   for (std::size_t p = 0; p < plan.shapes.size(); ++p)
-    if (plan.shapes[p].box.contains(x, 1e-6 * plan.shapes[p].lattice.dx)) return p;
+    if (plan.shapes[p].holds(x, 1e-6 * plan.shapes[p].lattice.dx)) return p;
   return std::nullopt;
 }
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace pdx::app {
 namespace {
@@ -88,18 +89,40 @@ std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const SceneOptions& 
     const Index first = row;
     row += static_cast<Index>(sites.size());
     parts.push_back(std::make_unique<pd::LatticePart<2>>(d.system.rows, plan.shapes[p].lattice, plan.stencils[p],
-                                                         std::move(sites), first, correction(options, plan, d, p)));
+                                                         std::move(sites), first, correction(options, plan, d, p),
+                                                         plan.shapes[p].active));
   }
   return parts;
 }
 
-/// Bonds are made to be finer than the elements that carry their ends: beyond that uniform strain is no longer exact.
-void refuse_coarse_patches(const SceneOptions& options, const Discretisation& d)
+std::vector<std::size_t> numbers_from_1(std::vector<std::size_t> numbers)
 {
-  for (std::size_t p = 0; p < d.around.size(); ++p)
+  for (std::size_t& number : numbers) ++number;
+  return numbers;
+}
+
+/// Bonds are made to be finer than the elements that carry their ends: beyond that uniform strain is no longer exact.
+void refuse_coarse_patches(const SceneOptions& options, const PatchPlan& plan, const Discretisation& d)
+{
+  for (std::size_t p = 0; p < d.around.size(); ++p) {
+    const std::size_t first = plan.entries[p][0];
     if (const double dx = d.around[p].shape().lattice.dx, h = d.around[p].shortest_edge(); dx > 1.000001 * h)
       throw UserError(fmt::format("-pd_spacing is {}: must be at most the {:.6g} m of the elements beside patch {}",
-                                  options.pd.spacing_of(p), h, p + 1));
+                                  options.pd.spacing_of(first), h, first + 1));
+  }
+}
+
+/// Ghosts stand for one uninterrupted outside per bond.
+void refuse_other_shapes(const SceneOptions& options, const PatchPlan& plan)
+{
+  if (options.scheme == couple::Scheme::energy) return;
+  for (std::size_t p = 0; p < plan.shapes.size(); ++p)
+    if (!plan.shapes[p].active.is_box())
+      throw UserError(
+          fmt::format("-couple_scheme {} needs boxes apart, but {} of -pd_patches make up a patch of another "
+                      "shape: use energy, or move the boxes apart",
+                      options.scheme == couple::Scheme::ghost ? "ghost" : "interface",
+                      fmt::join(numbers_from_1(plan.entries[p]), ", ")));
 }
 
 /// A toughness tells when bonds break.
@@ -144,12 +167,13 @@ crack::CrackSet seams_of(const mesh::Mesh& mesh, const SceneOptions& options, co
 void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d,
                       bool assembled)
 {
+  refuse_other_shapes(options, plan);
   Index band = 0;
   for (const auto& stencil : plan.stencils) band = std::max(band, stencil.reach + pd::family_reach<2>(stencil));
   d.seams = seams_of(mesh, options, plan);
   d.around = couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows, d.sets.get(),
                                           d.seams.empty() ? nullptr : &d.seams);
-  refuse_coarse_patches(options, d);
+  refuse_coarse_patches(options, plan, d);
   auto parts = make_parts(options, plan, d);
   if (d.elements || d.cut_elements) {
     const couple::CouplingOptions coupling{options.scheme,

@@ -94,11 +94,7 @@ template <int Dim> double kind_of(const ParticleScene<Dim>& scene, std::size_t k
     if (scene.system.held[Dim * row + a]) return 2.0;
   const pd::Particle& particle = scene.particles[k];
   const pd::LatticePart<Dim>& part = *scene.bonds.parts()[static_cast<std::size_t>(particle.patch)];
-  const Site<Dim> site = part.lattice().site(particle.site);
-  const Index reach = part.stencil().reach;
-  for (std::size_t a = 0; a < Dim; ++a)
-    if (site[a] < reach || site[a] >= part.lattice().count[a] - reach) return 1.0;
-  return 0.0;
+  return part.deep(part.site(particle.site)) ? 0.0 : 1.0;
 }
 
 void push_damage(const SceneOptions& options, couple::ParticleDamage damage, field::OutputBlock& block)
@@ -125,7 +121,7 @@ field::OutputBlock particle_block(const SceneOptions& options, const ParticleSce
   const auto& parts = scene.bonds.parts();
   std::vector<Index> first(parts.size() + 1, 0); // natural numbers: patch after patch
   for (std::size_t p = 0; p < parts.size(); ++p)
-    first[p + 1] = first[p] + static_cast<Index>(parts[p]->lattice().total());
+    first[p + 1] = first[p] + static_cast<Index>(parts[p]->active().size());
   int rank = 0;
   MPI_Comm_rank(scene.system.rows.comm, &rank);
   const auto begin = static_cast<std::size_t>(scene.system.rows.first_particle());
@@ -135,8 +131,7 @@ field::OutputBlock particle_block(const SceneOptions& options, const ParticleSce
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
     const pd::Particle& particle = scene.particles[k];
     const auto p = static_cast<std::size_t>(particle.patch);
-    const auto& lattice = parts[p]->lattice();
-    const auto x = padded<Dim>(lattice.point(lattice.site(particle.site)).data());
+    const auto x = padded<Dim>(parts[p]->lattice().point(parts[p]->site(particle.site)).data());
     block.points.insert(block.points.end(), x.begin(), x.end());
     block.natural_point.push_back(first[p] + particle.site);
     energy.values.push_back(density[begin + k]);

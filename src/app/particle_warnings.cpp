@@ -3,6 +3,7 @@
 #include "pdx/base/gather.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <functional>
@@ -156,6 +157,41 @@ std::string correction_warning(const SceneOptions& options, const PatchPlan& pla
       "-pd_surface_correction: bonds of -pd_horizon_ratio {} are too few for exact free sides, volume is "
       "taken, which makes thin bodies of particles too stiff; a ratio of 3 to 6 has exact ones",
       options.pd.horizon_ratio);
+}
+
+std::string corner_warning(const PatchPlan& plan, const geom::Box<2>& body, const geom::Frame& frame)
+{
+  for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
+    const couple::PatchShape& shape = plan.shapes[p];
+    if (shape.active.is_box() || !plan.sides[p]) continue;
+    const Index rows = 2 * plan.stencils[p].reach; // that a free side changes
+    const std::vector<geom::StraightSide> sides = geom::straight_sides(shape.active);
+    const auto free = [&](const geom::StraightSide& side) {
+      const auto d = static_cast<Eigen::Index>(side.axis);
+      const double face = side.upper ? body.upper[d] : body.lower[d];
+      return std::abs(shape.line(side.axis, side.at) - face) < 1e-3 * shape.lattice.dx;
+    };
+    for (const auto& [axis, upper, at, from, to] : sides)
+      for (const Index end : {from, to}) {
+        Site<2> in{}, out{}; // beyond the end, in line with the patch and beside it
+        in[1 - axis] = out[1 - axis] = end == from ? from - 1 : to;
+        in[axis] = upper ? at - 1 : at;
+        out[axis] = upper ? at : at - 1;
+        if (!shape.active.has(in) || !shape.active.has(out)) continue;
+        Site<2> corner{};
+        corner[axis] = at;
+        corner[1 - axis] = end;
+        for (const geom::StraightSide& side : sides) {
+          const Index away = std::abs(corner[side.axis] - side.at), along = corner[1 - side.axis];
+          if (away >= rows || along < side.from - rows || along > side.to + rows || !free(side)) continue;
+          return fmt::format(
+              "-pd_patches: patch {} has an inner corner at {}, {} rows from a side of the body: uniform "
+              "tension along that side is exact from {} rows on only",
+              plan.entries[p][0] + 1, frame.text({shape.line(0, corner[0]), shape.line(1, corner[1])}), away, rows);
+        }
+      }
+  }
+  return {};
 }
 
 template std::vector<std::string> cloud_warnings<2>(const SceneOptions&, const CloudBody<2>&);

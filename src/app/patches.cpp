@@ -2,6 +2,8 @@
 
 #include "pdx/mesh/sites.hpp"
 
+#include "joined_boxes.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -45,6 +47,12 @@ geom::Box<2> with_layers(const SceneOptions& options, geom::Box<2> box, double d
           fmt::format("-bc_{}_on is {}: a layer lies outside one of left, right, bottom, top", c.name, c.on));
   }
   return box;
+}
+
+double area_of(const std::array<Vector<2>, 4>& corners) ///< [m^2]
+{
+  const Vector<2> a = corners[2] - corners[0], b = corners[3] - corners[1];
+  return 0.5 * std::abs(a[0] * b[1] - a[1] * b[0]);
 }
 
 /// Elements take tension over where it is; particles alone bend right.
@@ -101,15 +109,18 @@ PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh)
 {
   PatchPlan plan;
   plan.body = mesh.box;
-  std::vector<geom::Box<2>> boxes = options.pd.patches;
   if (options.pd.everywhere) {
     (void)lattice_in<2>(mesh.box, options.pd.spacing[0]); // the body itself must fit
     mesh.box = with_layers(options, mesh.box, options.pd.spacing[0]);
-    boxes = {mesh.box};
+    plan.shapes.push_back(couple::PatchShape::of_box(mesh.box, lattice_in<2>(mesh.box, options.pd.spacing[0])));
+    plan.entries.push_back({0});
+  } else {
+    plan.entries = patches_of_boxes(options);
+    for (const std::vector<std::size_t>& entries : plan.entries) plan.shapes.push_back(join_boxes(options, entries));
   }
-  for (std::size_t p = 0; p < boxes.size(); ++p) {
-    plan.shapes.push_back({boxes[p], lattice_in<2>(boxes[p], options.pd.spacing_of(p))});
-    const double dx = plan.shapes.back().lattice.dx;
+  name_sites(plan.shapes, plan.body);
+  for (const couple::PatchShape& shape : plan.shapes) {
+    const double dx = shape.lattice.dx;
     try {
       plan.stencils.push_back(pd::make_stencil<2>({dx, options.elastic.thickness, options.pd.horizon_ratio * dx,
                                                    options.pd.micromodulus, options.pd.calibration, options.elastic}));
@@ -128,53 +139,90 @@ mesh::CellCost cell_cost(const PatchPlan& plan)
   constexpr int kCoarse = 3, kElement = 1; // in particles; from the static solver's phases
   return [shapes = plan.shapes](const std::array<Vector<2>, 4>& corners) {
     const Vector<2> centre = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
-    const Vector<2> a = corners[2] - corners[0], b = corners[3] - corners[1];
-    const double area = 0.5 * std::abs(a[0] * b[1] - a[1] * b[0]);
+    const double area = area_of(corners);
     for (const auto& shape : shapes)
-      if (shape.box.contains(centre))
+      if (shape.holds(centre))
         return kCoarse + static_cast<int>(std::round(area / (shape.lattice.dx * shape.lattice.dx)));
     return kCoarse + kElement;
   };
 }
+
+namespace {
+/// The box among those of a patch that is at fault where not whole cells were covered.
+class CutBoxes {
+public:
+  CutBoxes(const couple::PatchShape& shape, const mesh::Mesh& mesh)
+      : boxes_(shape.boxes), near_(kFits * shape.lattice.dx), area_(boxes_.size(), 0.0), cut_(boxes_.size(), 0.0)
+  {
+    for (Index c = 0; c < mesh.owned_cells(); ++c)
+      for (std::size_t b = 0; b < boxes_.size(); ++b) {
+        if (!boxes_[b].contains(mesh.centroid(c))) continue;
+        area_[b] += area_of(mesh.corners(c));
+        for (const Vector<2>& x : mesh.corners(c))
+          if (!boxes_[b].contains(x, near_)) cut_[b] = 1.0;
+      }
+    MPI_Allreduce(MPI_IN_PLACE, area_.data(), static_cast<int>(area_.size()), MPI_DOUBLE, MPI_SUM, mesh.comm());
+    MPI_Allreduce(MPI_IN_PLACE, cut_.data(), static_cast<int>(cut_.size()), MPI_DOUBLE, MPI_MAX, mesh.comm());
+  }
+  std::size_t first() const
+  {
+    for (std::size_t b = 0; b < boxes_.size(); ++b)
+      if (cut_[b] > 0.0 || std::abs(area_[b] - boxes_[b].size().prod()) >= 1e-6 * boxes_[b].size().prod()) return b;
+    return 0;
+  }
+
+private:
+  std::span<const geom::Box<2>> boxes_;
+  double near_;
+  std::vector<double> area_, cut_;
+};
+
+std::string nearest_box(const geom::Box<2>& box, const mesh::MeshOptions& options, const geom::Frame& frame)
+{
+  if (!options.file.empty()) return "";
+  const Vector<2> h = options.box.size().array() / Eigen::Array2d(options.cells[0], options.cells[1]);
+  const auto snap = [&](const Vector<2>& x) {
+    const Eigen::Array2d cells = ((x - options.box.lower).array() / h.array()).round();
+    return Vector<2>(options.box.lower.array() + cells * h.array());
+  };
+  const Vector<2> lower = frame.given<2>(snap(box.lower)), upper = frame.given<2>(snap(box.upper));
+  return fmt::format(", e.g. {:.10g},{:.10g},{:.10g},{:.10g}", lower[0], lower[1], upper[0], upper[1]);
+}
+} // namespace
 
 void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options, const geom::Frame& frame)
 {
   std::vector<double> area(plan.shapes.size(), 0.0), cut(plan.shapes.size(), 0.0);
   for (Index c = 0; c < mesh.cells(); ++c) {
     const auto corners = mesh.corners(c);
-    const Vector<2> a = corners[2] - corners[0], b = corners[3] - corners[1];
     for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
-      const auto& shape = plan.shapes[p];
-      if (!shape.box.contains(mesh.centroid(c))) continue;
+      const couple::PatchShape& shape = plan.shapes[p];
+      if (!shape.holds(mesh.centroid(c))) continue;
       mesh.cover(c, static_cast<int>(p));
       if (c >= mesh.owned_cells()) continue;
-      area[p] += 0.5 * std::abs(a[0] * b[1] - a[1] * b[0]);
+      area[p] += area_of(corners);
       for (const Vector<2>& x : corners)
-        if (!shape.box.contains(x, kFits * shape.lattice.dx)) cut[p] = 1.0;
+        if (!shape.holds(x, kFits * shape.lattice.dx)) cut[p] = 1.0;
     }
   }
   MPI_Allreduce(MPI_IN_PLACE, area.data(), static_cast<int>(area.size()), MPI_DOUBLE, MPI_SUM, mesh.comm());
   MPI_Allreduce(MPI_IN_PLACE, cut.data(), static_cast<int>(cut.size()), MPI_DOUBLE, MPI_MAX, mesh.comm());
   for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
-    const auto& box = plan.shapes[p].box;
-    const std::string which =
-        fmt::format("-pd_patches: patch {} {} to {}", p + 1, frame.text(box.lower), frame.text(box.upper));
-    if (!mesh.bounds().contains(box.lower, kFits * plan.shapes[p].lattice.dx) ||
-        !mesh.bounds().contains(box.upper, kFits * plan.shapes[p].lattice.dx))
-      throw UserError(fmt::format("{} leaves the mesh, which spans {} to {}", which, frame.text(mesh.bounds().lower),
-                                  frame.text(mesh.bounds().upper)));
-    if (cut[p] == 0.0 && std::abs(area[p] - box.size().prod()) < 1e-6 * box.size().prod()) continue;
-    std::string nearest;
-    if (options.file.empty()) {
-      const Vector<2> h = options.box.size().array() / Eigen::Array2d(options.cells[0], options.cells[1]);
-      const auto snap = [&](const Vector<2>& x) {
-        const Eigen::Array2d cells = ((x - options.box.lower).array() / h.array()).round();
-        return Vector<2>(options.box.lower.array() + cells * h.array());
-      };
-      const Vector<2> lower = frame.given<2>(snap(box.lower)), upper = frame.given<2>(snap(box.upper));
-      nearest = fmt::format(", e.g. {:.10g},{:.10g},{:.10g},{:.10g}", lower[0], lower[1], upper[0], upper[1]);
-    }
-    throw UserError(fmt::format("{} cuts elements: its sides must lie on element boundaries{}", which, nearest));
+    const couple::PatchShape& shape = plan.shapes[p];
+    const auto which = [&](std::size_t b) {
+      return fmt::format("-pd_patches: patch {} {} to {}", plan.entries[p][b] + 1, frame.text(shape.boxes[b].lower),
+                         frame.text(shape.boxes[b].upper));
+    };
+    for (std::size_t b = 0; b < shape.boxes.size(); ++b)
+      if (!mesh.bounds().contains(shape.boxes[b].lower, kFits * shape.lattice.dx) ||
+          !mesh.bounds().contains(shape.boxes[b].upper, kFits * shape.lattice.dx))
+        throw UserError(fmt::format("{} leaves the mesh, which spans {} to {}", which(b),
+                                    frame.text(mesh.bounds().lower), frame.text(mesh.bounds().upper)));
+    const double whole = static_cast<double>(shape.active.size()) * shape.lattice.dx * shape.lattice.dx;
+    if (cut[p] == 0.0 && std::abs(area[p] - whole) < 1e-6 * whole) continue;
+    const std::size_t b = CutBoxes(shape, mesh).first();
+    throw UserError(fmt::format("{} cuts elements: its sides must lie on element boundaries{}", which(b),
+                                nearest_box(shape.boxes[b], options, frame)));
   }
 }
 
@@ -183,14 +231,14 @@ std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan
   std::vector<pd::Particle> mine;
   for (const Index c : mesh.cells(mesh::Use::covered)) {
     if (c >= mesh.owned_cells()) continue;
-    const auto& lattice = plan.shapes[static_cast<std::size_t>(mesh.patch(c))].lattice;
-    mesh::for_each_site(mesh, c, lattice, 0, [&](const Site<2>& site, const Vector<2>& x) {
-      mine.push_back({mesh.patch(c), static_cast<Index>(lattice.number(site)), c, x});
+    const couple::PatchShape& shape = plan.shapes[static_cast<std::size_t>(mesh.patch(c))];
+    mesh::for_each_site(mesh, c, shape.lattice, 0, [&](const Site<2>& site, const Vector<2>& x) {
+      if (shape.active.has(site)) mine.push_back({mesh.patch(c), static_cast<Index>(shape.active.place(site)), c, x});
     });
   }
   std::int64_t total = static_cast<std::int64_t>(mine.size()), wanted = 0;
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, mesh.comm());
-  for (const auto& shape : plan.shapes) wanted += shape.lattice.total();
+  for (const auto& shape : plan.shapes) wanted += shape.active.size();
   if (total != wanted) throw std::logic_error(fmt::format("{} particles found a cell, {} should have", total, wanted));
   swarm.add(mine);
   return swarm.sorted();

@@ -162,6 +162,7 @@ void run_plane(RunFiles& files)
     cover_cells(mesh, plan, mesh_options, options.frame);
     swarm = std::make_unique<pd::Particles>(files.comm());
     particles = make_particles(mesh, plan, *swarm);
+    if (const std::string near = corner_warning(plan, mesh.bounds(), options.frame); !near.empty()) files.warn(near);
     stop_if_told(files.comm());
   }
   if (options.time.dynamic())

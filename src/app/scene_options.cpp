@@ -127,14 +127,6 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
     throw UserError(fmt::format("-pd_spacing has {} values for {} patches: give one, or one per patch",
                                 pd.spacing.size(), pd.patches.size()));
   require_poisson(pd, elastic, solid, pd.horizon_ratio * pd.spacing[0]);
-  for (std::size_t p = 0; p < pd.patches.size(); ++p)
-    for (std::size_t q = p + 1; q < pd.patches.size(); ++q)
-      if ((pd.patches[p].lower.array() <= pd.patches[q].upper.array() + 1e-9 * pd.patches[p].size().norm()).all() &&
-          (pd.patches[q].lower.array() <= pd.patches[p].upper.array() + 1e-9 * pd.patches[p].size().norm()).all())
-        throw UserError(
-            fmt::format("-pd_patches: patches {} and {} touch or overlap: leave at least one row of elements "
-                        "between them",
-                        p + 1, q + 1));
   return pd;
 }
 

@@ -53,9 +53,14 @@ std::string lines_of(const SceneOptions& options, const Standing& scene)
     text += "solid = " + line_of<3>(part.lattice(), part.stencil().half.size());
   }
   if (scene.cloud) text += fmt::format("cloud = {}\n", scene.cloud->description);
-  for (std::size_t p = 0; scene.plan && p < scene.plan->shapes.size(); ++p)
-    text += fmt::format("patch {} = ", p + 1) +
-            line_of<2>(scene.plan->shapes[p].lattice, scene.plan->stencils[p].half.size());
+  for (std::size_t p = 0; scene.plan && p < scene.plan->shapes.size(); ++p) {
+    const couple::PatchShape& shape = scene.plan->shapes[p];
+    text += fmt::format("patch {} = ", p + 1) + line_of<2>(shape.lattice, scene.plan->stencils[p].half.size());
+    for (const geom::Box<2>& box : shape.boxes)
+      if (!shape.active.is_box())
+        text += fmt::format("box of patch {} = {} {} {} {}\n", p + 1, box.lower[0], box.lower[1], box.upper[0],
+                            box.upper[1]);
+  }
   text += fmt::format("bonds = micromodulus {}, calibration {}, surface correction {}\n",
                       static_cast<int>(options.pd.micromodulus), static_cast<int>(options.pd.calibration),
                       static_cast<int>(options.pd.surface_correction));
@@ -96,7 +101,7 @@ void SceneState::number_rows()
   first_.assign(1, scene_.mesh->global_vertices() + sets_);
   with_bonds([&](const auto& bonds) {
     for (const auto& part : bonds.parts())
-      first_.push_back(first_.back() + static_cast<PetscInt>(part->lattice().total()));
+      first_.push_back(first_.back() + static_cast<PetscInt>(part->active().size()));
   });
   if (scene_.cloud) first_.push_back(first_.back() + model_.system.rows.total);
 

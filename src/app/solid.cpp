@@ -16,7 +16,8 @@ SolidPlan plan_solid(const SceneOptions& options, mesh::MeshOptions& mesh)
                                options.pd.spacing[0]);
   const double dx = plan.lattice.dx;
   plan.columns.body = body;
-  plan.columns.shapes.push_back({body, {body.lower, dx, {plan.lattice.count[0], plan.lattice.count[1]}}});
+  plan.columns.shapes.push_back(
+      couple::PatchShape::of_box(body, {body.lower, dx, {plan.lattice.count[0], plan.lattice.count[1]}}));
   try {
     plan.stencil = pd::make_stencil<3>(
         {dx, depth, options.pd.horizon_ratio * dx, options.pd.micromodulus, options.pd.calibration, options.elastic});

@@ -39,8 +39,10 @@ CoarseMesh::CoarseMesh(fem::ElasticBody body, const NodeField& node_field, const
   std::ranges::copy_if(mesh.cells(mesh::Use::cut), std::back_inserter(cut_), touches);
   for (std::size_t p = 0; p < fine_.parts.size(); ++p) {
     grids_.emplace_back(*fine_.parts[p], fine_.around[p]);
-    grid_stiffness_.push_back(fem::element_tangent(rectangle(grids_[p].cell_size()), fem::ElementVector::Zero(),
-                                                   body_.law, fem::Kinematics::small));
+    first_kind_.push_back(grid_stiffness_.size());
+    for (std::size_t kind = 0; kind < grids_[p].kinds(); ++kind)
+      grid_stiffness_.push_back(fem::element_tangent(rectangle(grids_[p].size_of(kind)), fem::ElementVector::Zero(),
+                                                     body_.law, fem::Kinematics::small));
   }
   fine_first_ = gather_all(mesh.comm(), std::vector<PetscInt>{system.rows.first});
   gather_sets();
@@ -87,12 +89,13 @@ void CoarseMesh::sort_cells()
     const bool split = std::ranges::any_of(nodes, [&, key = patch](Index node) {
       return split_.contains({key, node});
     });
+    const std::size_t stiffness = first_kind_[p] + grids_[p].kind(cell);
     const bool damaged = support_ && support_->damaged(static_cast<Index>(number));
     groups.clear();
     if (!carried && !split && !damaged) {
       std::array<Index, 4> rows;
       for (std::size_t a = 0; a < 4; ++a) rows[a] = grid_rows_[p][static_cast<std::size_t>(nodes[a])];
-      intact_.emplace_back(patch, rows);
+      intact_.emplace_back(stiffness, rows);
     } else if (!split && !damaged && sets_.empty()) {
       const Vector<2> middle = 0.5 * (grids_[p].point(nodes[0]) + grids_[p].point(nodes[2]));
       groups.emplace_back();
@@ -112,7 +115,7 @@ void CoarseMesh::sort_cells()
           same->second += share;
       }
     }
-    for (const auto& [corners, share] : groups) add_special(share * grid_stiffness_[p], corners);
+    for (const auto& [corners, share] : groups) add_special(share * grid_stiffness_[stiffness], corners);
   }
 }
 
@@ -182,7 +185,7 @@ void CoarseMesh::interpolate()
   for (std::size_t p = 0; p < grids_.size(); ++p) {
     const auto& lattice = grids_[p].part().lattice();
     for (const Index number : grids_[p].part().sites()) {
-      const Site<2> site = lattice.site(number);
+      const Site<2> site = grids_[p].part().site(number);
       const Vector<2> x = lattice.point(site);
       const Index cell = grids_[p].cell_of(site);
       const auto nodes = grids_[p].corners(cell);
@@ -242,7 +245,7 @@ MatHandle CoarseMesh::assemble(std::span<const double> u)
     for (const Index row : rows)
       for (const Index column : rows) couplings.add(row, column);
   };
-  for (const auto& [patch, rows] : intact_) couple_all(rows);
+  for (const auto& [stiffness, rows] : intact_) couple_all(rows);
   for (const Special& special : special_) couple_all(special.rows);
   for (PetscInt& blocks : couplings.diagonal) blocks = std::min(blocks, rows_.owned());
   for (PetscInt& blocks : couplings.off_diagonal) blocks = std::min(blocks, rows_.total - rows_.owned());
@@ -258,8 +261,7 @@ MatHandle CoarseMesh::assemble(std::span<const double> u)
   field::BlockAdder adder(matrix.get(), *halo_, held_);
   fem::assemble_stiffness(body_, elements_, vertex_rows_, small ? std::vector<double>{} : node_field_.displacement(u),
                           adder);
-  for (const auto& [patch, rows] : intact_)
-    adder.add(rows, rows, std::span(grid_stiffness_[static_cast<std::size_t>(patch)].data(), 64));
+  for (const auto& [stiffness, rows] : intact_) adder.add(rows, rows, std::span(grid_stiffness_[stiffness].data(), 64));
   for (const Special& special : special_) adder.add(special.rows, special.rows, special.stiffness);
   add_springs(adder);
   adder.finish(kHeldStiffness * system_.scale);

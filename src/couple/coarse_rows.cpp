@@ -36,7 +36,7 @@ void CoarseMesh::choose_cells()
     const auto& lattice = grid.part().lattice();
     std::vector<std::uint8_t> state(static_cast<std::size_t>(grid.cells()), away);
     for (const Index number : grid.part().sites())
-      state[static_cast<std::size_t>(grid.cell_of(lattice.site(number)))] = looked_at;
+      state[static_cast<std::size_t>(grid.cell_of(grid.part().site(number)))] = looked_at;
     const auto take = [&](Index cell) { state[static_cast<std::size_t>(cell)] = assembled; };
     for (const Index node : grid.owned()) grid.for_each_cell_at(node, take);
     for (Index node = 0; node < grid.nodes(); ++node) {
@@ -56,8 +56,7 @@ void CoarseMesh::choose_cells()
       const auto [lower, upper] = grid.sites(c);
       for (Site<2> site = lower; site[1] < upper[1]; ++site[1])
         for (site[0] = lower[0]; site[0] < upper[0]; ++site[0])
-          particles.push_back(
-              {static_cast<int>(p), number, static_cast<Index>(lattice.number(site)), lattice.point(site)});
+          particles.push_back({static_cast<int>(p), number, grid.part().number(site), lattice.point(site)});
     }
   }
   if (fine_.breakable)

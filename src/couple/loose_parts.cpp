@@ -142,9 +142,9 @@ LooseParts::LooseParts(const JoinedModels& models, const field::System& system) 
     std::vector<Index> sites;
     for (const Index number : part->sites())
       for (const pd::Arm<2>& arm : part->stencil().half) {
-        const Site<2> other = stepped(part->lattice().site(number), arm.step);
-        if (!part->lattice().contains(other)) continue;
-        const auto site = static_cast<Index>(part->lattice().number(other));
+        const Site<2> other = stepped(part->site(number), arm.step);
+        if (!part->active().has(other)) continue;
+        const auto site = part->number(other);
         if (!std::binary_search(part->sites().begin(), part->sites().end(), site)) sites.push_back(site);
       }
     std::sort(sites.begin(), sites.end());
@@ -178,13 +178,12 @@ void LooseParts::tie_elements(Ties& ties) const
 /// then, is in one part.
 void LooseParts::tie_particles(Ties& ties, const pd::LatticePart<2>& part, std::size_t number, bool thoroughly) const
 {
-  const geom::Lattice<2>& lattice = part.lattice();
   const std::vector<pd::Arm<2>>& half = part.stencil().half;
   const auto near = [](const pd::Arm<2>& arm) { return std::abs(arm.step[0]) + std::abs(arm.step[1]) == 1; };
   for (Index k = 0; k < static_cast<Index>(part.sites().size()); ++k) {
     const auto words = part.words_of(k);
     const bool full = std::popcount(words[0]) + std::popcount(words[1]) == static_cast<int>(half.size());
-    const Site<2> site = lattice.site(part.sites()[static_cast<std::size_t>(k)]);
+    const Site<2> site = part.site(part.sites()[static_cast<std::size_t>(k)]);
     const PetscInt row = system_.rows.first + part.first_row() + k;
     for (std::size_t h = 0; h < half.size(); ++h) {
       if (!(words[h / 64] >> h % 64 & 1u) || (full && !thoroughly && !near(half[h]))) continue;
@@ -193,7 +192,7 @@ void LooseParts::tie_particles(Ties& ties, const pd::LatticePart<2>& part, std::
       if (local >= 0 && local < system_.rows.owned())
         ties.join(row, system_.rows.first + local);
       else
-        ties.join(row, foreign_[number].at(static_cast<Index>(lattice.number(other))));
+        ties.join(row, foreign_[number].at(part.number(other)));
     }
   }
 }

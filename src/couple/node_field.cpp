@@ -7,24 +7,55 @@
 
 namespace pdx::couple {
 namespace {
-/// The four sites around x and their bilinear weights; beyond the outermost sites the bilinear function continues.
-void around(const geom::Lattice<2>& lattice, const Vector<2>& x, std::vector<Index>& sites,
-            std::vector<double>& weights)
+/// Adds what gives the displacement at x: the four particles around it by their bilinear weights, three of them by the
+/// plane through them, else the nearest four that are there; beyond the outermost the function continues.
+void around(const pd::LatticePart<2>& part, const Vector<2>& x, std::vector<Index>& sites, std::vector<double>& weights)
 {
-  std::array<Index, 2> base{};
-  std::array<double, 2> t{};
+  const geom::Lattice<2>& lattice = part.lattice();
+  const auto& count = lattice.count;
+  Site<2> base{};
+  std::array<double, 2> f{};
   for (std::size_t d = 0; d < 2; ++d) {
-    const auto e = static_cast<Eigen::Index>(d);
-    const double f = (x[e] - lattice.origin[e]) / lattice.dx - 0.5;
-    base[d] = std::clamp(static_cast<Index>(std::floor(f)), Index{0}, std::max(Index{0}, lattice.count[d] - 2));
-    t[d] = lattice.count[d] > 1 ? f - base[d] : 0.0;
+    f[d] = (x[static_cast<Eigen::Index>(d)] - lattice.origin[static_cast<Eigen::Index>(d)]) / lattice.dx - 0.5;
+    base[d] = std::clamp(static_cast<Index>(std::floor(f[d])), Index{0}, std::max(Index{0}, count[d] - 2));
   }
-  for (Index j = 0; j < 2; ++j)
-    for (Index i = 0; i < 2; ++i) {
-      const Site<2> site{std::min(base[0] + i, lattice.count[0] - 1), std::min(base[1] + j, lattice.count[1] - 1)};
-      sites.push_back(static_cast<Index>(lattice.number(site)));
-      weights.push_back((i ? t[0] : 1.0 - t[0]) * (j ? t[1] : 1.0 - t[1]));
-    }
+  const auto corner = [&count](const Site<2>& low, std::size_t a) {
+    const auto i = static_cast<Index>(a % 2), j = static_cast<Index>(a / 2);
+    return Site<2>{std::min(low[0] + i, count[0] - 1), std::min(low[1] + j, count[1] - 1)};
+  };
+  const auto missing = [&](const Site<2>& low) {
+    std::vector<std::size_t> none;
+    for (std::size_t a = 0; a < 4; ++a)
+      if (!part.active().has(corner(low, a))) none.push_back(a);
+    return none;
+  };
+  Site<2> low = base;
+  std::size_t fewest = missing(base).size();
+  for (Site<2> step{0, -1}; step[1] <= 1; ++step[1])
+    for (step[0] = -1; step[0] <= 1 && fewest > 1; ++step[0])
+      if (const Site<2> other{base[0] + step[0], base[1] + step[1]}; missing(other).size() < fewest) {
+        fewest = missing(other).size();
+        low = other;
+      }
+  std::array<double, 2> t{};
+  for (std::size_t d = 0; d < 2; ++d) t[d] = count[d] > 1 ? f[d] - low[d] : 0.0;
+  std::array<double, 4> w{(1.0 - t[0]) * (1.0 - t[1]), t[0] * (1.0 - t[1]), (1.0 - t[0]) * t[1], t[0] * t[1]};
+  const std::vector<std::size_t> none = missing(low);
+  if (none.size() == 1) {
+    const std::size_t gone = none[0];
+    w[gone ^ 1u] += w[gone];
+    w[gone ^ 2u] += w[gone];
+    w[gone ^ 3u] -= w[gone];
+  } else if (!none.empty()) { // a patch one particle wide
+    w.fill(0.0);
+    for (std::size_t a = 0; a < 4; ++a)
+      if (part.active().has(corner(low, a))) w[a] = 1.0 / static_cast<double>(4 - none.size());
+  }
+  for (std::size_t a = 0; a < 4; ++a) {
+    if (std::ranges::find(none, a) != none.end()) continue;
+    sites.push_back(part.number(corner(low, a)));
+    weights.push_back(w[a]);
+  }
 }
 } // namespace
 
@@ -44,7 +75,7 @@ NodeField::NodeField(const mesh::Mesh& mesh, std::span<const PetscInt> node_rows
       weights_.push_back(1.0);
     } else if (patch[k] >= 0) {
       const auto p = static_cast<std::size_t>(patch[k]);
-      around(parts[p]->lattice(), mesh.point(v), sites[p], weights_);
+      around(*parts[p], mesh.point(v), sites[p], weights_);
       rows_.resize(weights_.size(), -1);
     }
     offsets_.push_back(rows_.size());

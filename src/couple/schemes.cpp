@@ -1,7 +1,7 @@
 #include "pdx/couple/schemes.hpp"
 
 #include "pdx/base/events.hpp"
-#include "pdx/geom/clip.hpp"
+#include "pdx/geom/line_pieces.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -26,9 +26,9 @@ struct Draft {
   Vector<2> xi;
   double kappa = 0.0, energy_share = 0.0, volume = 0.0;
   bool cut = false, no_fail = false;
-  std::uint64_t key = 0; // within its patch
+  std::uint64_t key = 0;
 };
-constexpr int kPatchBit = 48; // of a bond's key, from which on it has the number of its patch
+constexpr std::uint64_t kParts = 32; // of a bond that can act: more than it has pieces
 
 /// Writes the drafts of one patch, in order of sites.
 class Drafter {
@@ -38,39 +38,43 @@ public:
         exists_(family_of(around, part.stencil(), options.scheme)),
         mine_(around.edges_of_rows(rows.first, rows.first + rows.owned()))
   {
+    for (const pd::Arm<2>& arm : part.stencil().half)
+      lines_.push_back({geom::pieces_of_line<2>({-arm.step[0], -arm.step[1]}), geom::pieces_of_line<2>(arm.step)});
     if (!part.correction()) return;
     const Index reach = part.stencil().reach; // bonds that clip a corner start and end outside
     const auto& count = part.lattice().count;
-    factors_ = part.correction()({part.lattice(), {-reach, -reach}, {count[0] + 2 * reach, count[1] + 2 * reach}});
+    factors_ = part.correction()(
+        {part.lattice(), {-reach, -reach}, {count[0] + 2 * reach, count[1] + 2 * reach}, &part.active()});
   }
 
   std::vector<Draft> write()
   {
     refuse_homeless_ghosts();
-    for_each_ring_site(part_.stencil().reach, true, [&](const Site<2>& site) { leave_from(site); });
-    if (options_.scheme != Scheme::ghost)
-      for_each_ring_site(part_.stencil().reach, false, [&](const Site<2>& site) { clip_from(site); });
+    for_each_border_site([&](const Site<2>& site) {
+      if (part_.active().has(site)) leave_from(site);
+    });
+    if (options_.scheme != Scheme::ghost) for_each_border_site([&](const Site<2>& site) { clip_from(site); });
     return std::move(drafts_);
   }
 
 private:
-  /// Sites within `width` of the border, on the inner or the outer side.
-  template <class Visit> void for_each_ring_site(Index width, bool inner, Visit&& visit) const
+  /// Sites whose bonds may meet the border: on either side, in order.
+  template <class Visit> void for_each_border_site(Visit&& visit) const
   {
-    const auto& count = part_.lattice().count;
-    const Index pad = inner ? 0 : width, hole = inner ? width : 0;
-    for (Site<2> site{0, -pad}; site[1] < count[1] + pad; ++site[1])
-      for (site[0] = -pad; site[0] < count[0] + pad; ++site[0]) {
-        if (site[1] >= hole && site[1] < count[1] - hole && site[0] == hole && count[0] > 2 * hole)
-          site[0] = count[0] - hole; // jump over the inside
-        if (site[0] < count[0] + pad) visit(site);
+    const Index reach = part_.stencil().reach;
+    const geom::SiteSet<2>& active = part_.active();
+    const geom::SiteSet<2> deep = active.eroded(reach), near = active.grown(reach);
+    for (Site<2> site{0, near.lower()[1]}; site[1] < near.upper()[1]; ++site[1])
+      for (site[0] = near.lower()[0]; site[0] < near.upper()[0]; ++site[0]) {
+        if (deep.has(site)) site[0] = deep.end_of_run(site); // jump over the inside
+        if (near.has(site)) visit(std::as_const(site));
       }
   }
 
   void refuse_homeless_ghosts() const
   {
     if (options_.scheme == Scheme::energy) return;
-    for_each_ring_site(part_.stencil().reach, false, [&](const Site<2>& site) {
+    for_each_border_site([&](const Site<2>& site) {
       if (!around_.outside(site) || around_.element_host(site).count) return;
       const Vector<2> x = part_.lattice().point(site);
       throw UserError(
@@ -80,10 +84,10 @@ private:
     });
   }
 
-  /// True if bonds may end at a site outside the patch.
+  /// True if bonds may end at a site: a particle, or material outside the patch.
   bool bonded(const Site<2>& site) const
   {
-    if (part_.lattice().contains(site)) return false;
+    if (part_.active().has(site)) return true;
     return options_.scheme == Scheme::energy ? exists_(site) : around_.outside(site);
   }
 
@@ -98,14 +102,12 @@ private:
   /// Lattice cells beside a free side in which corrected bonds meet the interface.
   Index zone() const { return factors_.even_over; }
 
-  /// Bonds of a patch by the site they start from, in the lattice or around it, their arm and its sign.
-  std::uint64_t key(const Site<2>& site, std::size_t arm, int sign) const
+  /// Names a bond of the body, by the site it starts from, its arm and the arm's sign, and the part of it that acts:
+  /// 0 from its beginning, else the number of the cell on its way that it enters, + 1.
+  std::uint64_t key(const Site<2>& site, std::size_t arm, int sign, int part) const
   {
-    const Index reach = part_.stencil().reach;
-    const auto width = static_cast<std::uint64_t>(part_.lattice().count[0] + 2 * reach);
-    const auto number =
-        static_cast<std::uint64_t>(site[1] + reach) * width + static_cast<std::uint64_t>(site[0] + reach);
-    return (number * pd::kMaxHalfArms + arm) * 2 + (sign > 0);
+    const std::uint64_t bond = (around_.shape().names.of(site) * pd::kMaxHalfArms + arm) * 2 + (sign > 0);
+    return bond * kParts + static_cast<std::uint64_t>(part);
   }
 
   bool mine(const Host& host) const
@@ -115,7 +117,7 @@ private:
     return false;
   }
 
-  /// Bonds from a particle to material outside the patch.
+  /// Bonds from a particle that leave the patch, up to where they do.
   void leave_from(const Site<2>& site)
   {
     const Index row = part_.row(site);
@@ -127,75 +129,71 @@ private:
       for (const int sign : {+1, -1}) {
         const pd::Arm<2>& arm = part_.stencil().half[h];
         const Site<2> other = stepped(site, arm.step, sign);
-        if (!bonded(other)) continue;
+        const auto& line = lines_[h][sign > 0];
+        if (geom::runs_inside<2>(part_.active(), site, line) || !bonded(other)) continue;
         Draft draft;
-        draft.key = key(site, h, sign);
-        draft.site = static_cast<Index>(lattice.number(site));
+        draft.key = key(site, h, sign, 0);
+        draft.site = part_.number(site);
         draft.row = row < 0 ? -1 : rows_.first + row;
         draft.kappa = arm.kappa * surface_factor(site, h, sign);
         draft.xi = sign * arm.xi;
         draft.energy_share = arm.length / part_.stencil().volume();
         draft.volume = arm.volume_share * part_.stencil().volume();
-        if (!place_far_end(draft, site, other)) continue;
+        const double leave = geom::parts_inside<2>(part_.active(), site, line).front().clip.leave;
+        if (!place_far_end(draft, x, leave, other)) continue;
         judge(draft, x, draft.xi, {x, lattice.point(other)});
         if (row >= 0 || mine(draft.b) || mine(draft.force_b)) drafts_.push_back(draft);
       }
   }
 
-  /// The part of the bond between two sites that lies in the patch. In spacings, where sites, sides and steps are
-  /// numbers without rounding: a bond through a corner touches it, and is no short spring.
-  std::optional<geom::Clip> inner_part(const Site<2>& from, const Site<2>& to) const
-  {
-    const auto middle = [](const Site<2>& site) { return Vector<2>(site[0] + 0.5, site[1] + 0.5); };
-    const auto& count = part_.lattice().count;
-    return geom::clip<2>(middle(from), middle(to), {{0.0, 0.0}, {1.0 * count[0], 1.0 * count[1]}});
-  }
-
   /// Chooses what carries the outer end; false where the bond leaves through a side without elements behind.
-  bool place_far_end(Draft& draft, const Site<2>& site, const Site<2>& other) const
+  bool place_far_end(Draft& draft, const Vector<2>& x, double leave, const Site<2>& other) const
   {
     std::optional<Host> edge;
     if (options_.scheme != Scheme::ghost) {
-      const Vector<2> x = part_.lattice().point(site);
-      const auto part = inner_part(site, other);
-      edge = around_.edge_host(x + part->leave * draft.xi, -part->leave * draft.xi, zone());
+      edge = around_.edge_host(x + leave * draft.xi, -leave * draft.xi, zone());
       if (!edge) return false;
-      if (options_.scheme == Scheme::energy) draft.xi *= part->leave;
+      if (options_.scheme == Scheme::energy) draft.xi *= leave;
     }
     draft.b = options_.scheme == Scheme::energy ? *edge : around_.element_host(other);
     draft.force_b = options_.scheme == Scheme::ghost ? draft.b : *edge;
     return true;
   }
 
-  /// Bonds between two outside sites whose middle part lies in a corner of the patch.
+  /// Bonds with a part in the patch that ends at the border on both sides.
   void clip_from(const Site<2>& site)
   {
-    const auto& lattice = part_.lattice();
-    if (!bonded(site)) return;
-    const Vector<2> x = lattice.point(site);
+    const geom::SiteSet<2>& active = part_.active();
+    if ((active.is_box() && active.has(site)) || !bonded(site)) return;
     for (std::size_t h = 0; h < part_.stencil().half.size(); ++h) {
-      const pd::Arm<2>& arm = part_.stencil().half[h];
-      const Site<2> other = stepped(site, arm.step, 1);
-      if (!bonded(other)) continue;
-      const auto part = inner_part(site, other);
-      if (!part || part->enter >= part->leave) continue;
-      const Vector<2> begin = x + part->enter * arm.xi, half = 0.5 * (part->leave - part->enter) * arm.xi;
-      const auto enter = around_.edge_host(begin, half, zone());
-      const auto leave = around_.edge_host(x + part->leave * arm.xi, -half, zone());
-      if (!enter || !leave) continue;
-      Draft draft;
-      draft.key = key(site, h, 1);
-      draft.kappa = arm.kappa * surface_factor(site, h, 1);
-      draft.force_a = *enter;
-      draft.force_b = *leave;
-      const bool energy = options_.scheme == Scheme::energy;
-      draft.a = energy ? *enter : around_.element_host(site);
-      draft.b = energy ? *leave : around_.element_host(other);
-      draft.xi = energy ? Vector<2>(2.0 * half) : arm.xi;
-      judge(draft, energy ? begin : x, draft.xi, {x, lattice.point(other)});
-      // Rows of `a` count the energy.
-      if (mine(draft.force_a) || mine(draft.force_b) || mine(draft.a)) drafts_.push_back(draft);
+      const Site<2> other = stepped(site, part_.stencil().half[h].step, 1);
+      if ((active.is_box() && active.has(other)) || !bonded(other)) continue;
+      for (const geom::PartInside& part : geom::parts_inside<2>(active, site, lines_[h][1]))
+        if (part.clip.enter > 0.0 && (part.clip.leave < 1.0 || !active.has(other))) clip(site, other, h, part);
     }
+  }
+
+  void clip(const Site<2>& site, const Site<2>& other, std::size_t h, const geom::PartInside& part)
+  {
+    const pd::Arm<2>& arm = part_.stencil().half[h];
+    const auto& [enters, leaves] = part.clip;
+    const Vector<2> x = part_.lattice().point(site);
+    const Vector<2> begin = x + enters * arm.xi, half = 0.5 * (leaves - enters) * arm.xi;
+    const auto enter = around_.edge_host(begin, half, zone());
+    const auto leave = around_.edge_host(x + leaves * arm.xi, -half, zone());
+    if (!enter || !leave) return;
+    Draft draft;
+    draft.key = key(site, h, 1, part.first + 1);
+    draft.kappa = arm.kappa * surface_factor(site, h, 1);
+    draft.force_a = *enter;
+    draft.force_b = *leave;
+    const bool energy = options_.scheme == Scheme::energy;
+    draft.a = energy ? *enter : around_.element_host(site);
+    draft.b = energy ? *leave : around_.element_host(other);
+    draft.xi = energy ? Vector<2>(2.0 * half) : arm.xi;
+    judge(draft, energy ? begin : x, draft.xi, {x, part_.lattice().point(other)});
+    // Rows of `a` count the energy.
+    if (mine(draft.force_a) || mine(draft.force_b) || mine(draft.a)) drafts_.push_back(draft);
   }
 
   /// Is the part of the bond that acts cut by a crack, and may it break?
@@ -218,6 +216,7 @@ private:
   const Surroundings& around_;
   pd::Exists<2> exists_;
   std::optional<geom::Box<2>> mine_;
+  std::vector<std::array<std::vector<geom::LinePiece<2>>, 2>> lines_; // per half arm, backwards and along it
   pd::BondFactors<2> factors_;
   std::vector<Draft> drafts_;
 };
@@ -270,7 +269,7 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
       bond.cut = draft.cut;
       bond.no_fail = draft.no_fail;
       bond.patch = static_cast<int>(p);
-      bond.key = static_cast<std::uint64_t>(p) << kPatchBit | draft.key;
+      bond.key = draft.key;
       if (draft.site >= 0) {
         if (draft.row != last_row) last_point = points.add(Host::of_row(draft.row));
         last_row = draft.row;
@@ -293,13 +292,14 @@ Index count_ghosts(std::span<const Surroundings> around, std::span<const std::un
   Index ghosts = 0;
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const auto& lattice = parts[p]->lattice();
+    const geom::SiteSet<2>& active = parts[p]->active();
     const Index reach = parts[p]->stencil().reach;
     for (Site<2> site{0, -reach}; site[1] < lattice.count[1] + reach; ++site[1])
       for (site[0] = -reach; site[0] < lattice.count[0] + reach; ++site[0]) {
         if (!around[p].outside(site)) continue;
         bool bonded = false;
         for (const pd::Arm<2>& arm : parts[p]->stencil().half)
-          for (const int sign : {+1, -1}) bonded |= lattice.contains(stepped(site, arm.step, sign));
+          for (const int sign : {+1, -1}) bonded |= active.has(stepped(site, arm.step, sign));
         ghosts += bonded;
       }
   }

@@ -110,14 +110,19 @@ private:
   std::map<std::size_t, std::vector<std::size_t>> leaving_; // per point: the other ends
 };
 
-/// True for sides that lie on a side of the box, outwards by no more than rounding.
+/// True for sides that lie on a side of the patch, outwards by no more than rounding.
 bool on_border(const PatchShape& shape, const Vector<2>& a, const Vector<2>& b)
 {
   const double near = 1e-6 * shape.lattice.dx;
-  for (int d = 0; d < 2; ++d)
-    for (const double face : {shape.box.lower[d], shape.box.upper[d]})
-      if (std::abs(a[d] - face) < near && std::abs(b[d] - face) < near) return true;
-  return false;
+  return std::ranges::any_of(geom::straight_sides(shape.active), [&](const geom::StraightSide& side) {
+    const auto d = static_cast<Eigen::Index>(side.axis);
+    const double face = shape.line(side.axis, side.at);
+    const auto beside = [&](const Vector<2>& x) { // a side may be longer than that of the patch
+      return !shape.active.is_box() && (x[1 - d] < shape.line(1 - side.axis, side.from) - near ||
+                                        x[1 - d] > shape.line(1 - side.axis, side.to) + near);
+    };
+    return std::abs(a[d] - face) < near && std::abs(b[d] - face) < near && !(beside(a) && beside(b));
+  });
 }
 } // namespace
 
@@ -126,8 +131,10 @@ crack::CrackSet find_seams(const mesh::Mesh& mesh, std::span<const PatchShape> p
   const auto wanted = [&](const Vector<2>& a, const Vector<2>& b) {
     return std::any_of(patches.begin(), patches.end(), [&](const PatchShape& shape) {
       const Vector<2> margin = Vector<2>::Constant(reach * shape.lattice.dx);
-      const geom::Box<2> box{shape.box.lower - margin, shape.box.upper + margin};
-      return geom::clip<2>(a, b, box) && (reach > 0.0 || !on_border(shape, a, b));
+      const bool near = std::ranges::any_of(shape.boxes, [&](const geom::Box<2>& box) {
+        return geom::clip<2>(a, b, {box.lower - margin, box.upper + margin}).has_value();
+      });
+      return near && (reach > 0.0 || !on_border(shape, a, b));
     });
   };
   const std::vector<Side> all = boundary_sides(mesh, [](const Vector<2>&, const Vector<2>&) { return true; });

@@ -45,18 +45,18 @@ SupportParts::SupportParts(const field::Rows& rows, std::span<const std::unique_
   for (std::size_t p = 0; p < parts.size(); ++p) {
     Patch& patch = patches_[p];
     if (sites[p].empty()) continue;
-    Site<2> upper = patch.lower = parts[p]->lattice().site(sites[p].front());
+    Site<2> upper = patch.lower = parts[p]->site(sites[p].front());
     for (const Index number : sites[p])
       for (std::size_t d = 0; d < 2; ++d) {
-        patch.lower[d] = std::min(patch.lower[d], parts[p]->lattice().site(number)[d]);
-        upper[d] = std::max(upper[d], parts[p]->lattice().site(number)[d]);
+        patch.lower[d] = std::min(patch.lower[d], parts[p]->site(number)[d]);
+        upper[d] = std::max(upper[d], parts[p]->site(number)[d]);
       }
     for (std::size_t d = 0; d < 2; ++d) patch.extent[d] = upper[d] - patch.lower[d] + 1;
     patch.number.assign(static_cast<std::size_t>(patch.extent[0]) * static_cast<std::size_t>(patch.extent[1]), 0);
   }
   for (std::size_t k = 0; k < particles_.size(); ++k) {
     Patch& patch = patches_[static_cast<std::size_t>(particles_[k].patch)];
-    const Site<2> site = parts[static_cast<std::size_t>(particles_[k].patch)]->lattice().site(particles_[k].site);
+    const Site<2> site = parts[static_cast<std::size_t>(particles_[k].patch)]->site(particles_[k].site);
     patch.number[static_cast<std::size_t>((site[1] - patch.lower[1]) * patch.extent[0] + site[0] - patch.lower[0])] =
         static_cast<Index>(k) + 1;
   }
@@ -96,15 +96,14 @@ void SupportParts::update()
   std::vector<Index> lost(particles_.size(), 0);
   for (std::size_t k = 0; k < particles_.size(); ++k) {
     const auto& part = *parts_[static_cast<std::size_t>(particles_[k].patch)];
-    const auto& lattice = part.lattice();
     const auto& half = part.stencil().half;
     const int bits = std::popcount(words_[k][0]) + std::popcount(words_[k][1]);
     if (bits == static_cast<int>(half.size())) continue;
-    const Site<2> site = lattice.site(particles_[k].site);
+    const Site<2> site = part.site(particles_[k].site);
     for (std::size_t h = 0; h < half.size(); ++h) {
       if (has_bit(words_[k], h)) continue;
       const Site<2> other = moved(site, half[h].step, 1);
-      if (!lattice.contains(other)) continue;
+      if (!part.begins(site, h)) continue;
       ++lost[k];
       if (const Index j = find(particles_[k].patch, other); j >= 0) ++lost[static_cast<std::size_t>(j)];
     }
@@ -132,7 +131,7 @@ std::vector<PartOfNode> SupportParts::split(std::span<const Index> cells,
   for (std::size_t n = 0; n < here.size(); ++n) {
     const CellParticle& particle = particles_[here[n].particle];
     const auto& part = *parts_[static_cast<std::size_t>(particle.patch)];
-    const Site<2> site = part.lattice().site(particle.site);
+    const Site<2> site = part.site(particle.site);
     for (std::size_t h = 0; h < part.stencil().half.size(); ++h) {
       if (!has_bit(words_[here[n].particle], h)) continue;
       const Index other = find(particle.patch, moved(site, part.stencil().half[h].step, 1));

@@ -1,30 +1,13 @@
 #include "pdx/couple/surroundings.hpp"
 
-#include "pdx/base/gather.hpp"
-#include "pdx/mesh/locate.hpp"
-#include "pdx/mesh/sites.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <unordered_map>
 
 namespace pdx::couple {
 namespace {
 constexpr double kOnSide = 1e-5; // a point this far from a side, in units of dx, lies on it: sides fit to 1e-6
 constexpr double kTiny = 1e-7;   // a part of an edge as short as this, in units of dx, is none
-
-/// Side of the box both points lie on: 0 left, 1 right, 2 bottom, 3 top, -1 none.
-int side_of(const PatchShape& shape, const Vector<2>& a, const Vector<2>& b)
-{
-  const double near = kOnSide * shape.lattice.dx;
-  for (int d = 0; d < 2; ++d)
-    for (int upper = 0; upper < 2; ++upper) {
-      const double face = upper ? shape.box.upper[d] : shape.box.lower[d];
-      if (std::abs(a[d] - face) < near && std::abs(b[d] - face) < near) return 2 * d + upper;
-    }
-  return -1;
-}
 
 struct Interval {
   double begin, end;
@@ -138,6 +121,8 @@ struct Surroundings::Trace {
 
 Surroundings::Surroundings(PatchShape shape, Index band) : shape_(std::move(shape)), band_(band)
 {
+  for (const geom::StraightSide& line : geom::straight_sides(shape_.active))
+    sides_.push_back({line, shape_.line(line.axis, line.at), shape_.line(1 - line.axis, line.from), {}, {}});
   for (std::size_t d = 0; d < 2; ++d) width_[d] = shape_.lattice.count[d] + 2 * band_;
   where_.assign(static_cast<std::size_t>(width_[0]) * static_cast<std::size_t>(width_[1]), 0);
 }
@@ -156,19 +141,23 @@ std::size_t Surroundings::position(const Site<2>& site) const
 
 bool Surroundings::outside(const Site<2>& site) const { return in_band(site) && where_[position(site)] > 0; }
 
-bool Surroundings::exists(const Site<2>& site) const { return shape_.lattice.contains(site) || outside(site); }
+bool Surroundings::exists(const Site<2>& site) const { return shape_.active.has(site) || outside(site); }
 
 bool Surroundings::behind_elements(const Site<2>& site) const
 {
-  const Vector<2> x = shape_.lattice.point(site);
-  const Vector<2> margin = Vector<2>::Constant(0.5 * shape_.lattice.dx);
-  for (Eigen::Index d = 0; d < 2; ++d) {
-    if (x[d] > shape_.box.lower[d] && x[d] < shape_.box.upper[d]) continue;
-    Vector<2> foot = x.cwiseMax(shape_.box.lower + margin).cwiseMin(shape_.box.upper - margin);
-    foot[d] = x[d] < shape_.box.lower[d] ? shape_.box.lower[d] : shape_.box.upper[d];
-    if (!edge_host(foot, Vector<2>::Zero())) return false;
+  for (const Side& side : sides_) {
+    const auto& [axis, upper, at, from, to] = side.line;
+    const Index beyond = upper ? site[axis] - at + 1 : at - site[axis]; // rows outside
+    const Index along = std::clamp(site[1 - axis], from, to - 1);
+    if (beyond < 1 || beyond > band_ || std::abs(site[1 - axis] - along) > band_) continue;
+    const auto d = static_cast<Eigen::Index>(axis);
+    const double middle = 0.5 * shape_.lattice.dx, end = shape_.line(1 - axis, to);
+    Vector<2> foot;
+    foot[d] = side.face;
+    foot[1 - d] = std::min(std::max(shape_.lattice.point(site)[1 - d], side.start + middle), end - middle);
+    if (!host_on(side, foot, Vector<2>::Zero(), 0)) return false;
   }
-  return !shape_.lattice.contains(site);
+  return !shape_.active.has(site);
 }
 
 const Host& Surroundings::element_host(const Site<2>& site) const
@@ -178,205 +167,109 @@ const Host& Surroundings::element_host(const Site<2>& site) const
 
 void Surroundings::find_free_ends()
 {
-  const auto& count = shape_.lattice.count;
-  for (std::size_t side = 0; side < 4; ++side)
+  for (Side& side : sides_)
     for (std::size_t end = 0; end < 2; ++end) {
-      const std::size_t d = side / 2;
+      const auto& [axis, upper, at, from, to] = side.line;
       Site<2> in{}, out{}; // beyond the end, of the patch and beside it
-      in[1 - d] = out[1 - d] = end ? count[1 - d] : -1;
-      in[d] = side % 2 ? count[d] - 1 : 0;
-      out[d] = side % 2 ? count[d] : -1;
-      free_end_[side][end] = !sides_[side].empty();
+      in[1 - axis] = out[1 - axis] = end ? to : from - 1;
+      in[axis] = upper ? at - 1 : at;
+      out[axis] = upper ? at : at - 1;
+      side.free_end[end] = !side.edges.empty();
       for (const Site<2>& site : {in, out})
-        free_end_[side][end] = free_end_[side][end] && !exists(site) && !behind_elements(site);
+        side.free_end[end] = side.free_end[end] && !exists(site) && !behind_elements(site);
     }
 }
 
 /// The cells whose trace a cell along a side is averaged with.
-std::array<double, 2> Surroundings::zone_of(std::size_t side, double cell, Index zone) const
+std::array<double, 2> Surroundings::zone_of(const Side& side, double cell, Index zone)
 {
-  const double cells = shape_.lattice.count[1 - side / 2];
-  const auto [low, high] = free_end_[side];
+  const double cells = side.cells();
+  const auto [low, high] = side.free_end;
   if (low && high && cells < 2 * zone) return {0.0, cells};
   if (low && cell < zone) return {0.0, std::min<double>(zone, cells)};
   if (high && cell >= cells - zone) return {std::max(0.0, cells - zone), cells};
   return {cell, cell + 1.0};
 }
 
+/// Number of the side both points lie on, -1 for none.
+int Surroundings::side_of(const Vector<2>& a, const Vector<2>& b) const
+{
+  const double near = kOnSide * shape_.lattice.dx;
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    const auto d = static_cast<Eigen::Index>(sides_[k].line.axis);
+    const double start = sides_[k].start, end = shape_.line(1 - sides_[k].line.axis, sides_[k].line.to);
+    const auto on = [&](const Vector<2>& x) {
+      return std::abs(x[d] - sides_[k].face) < near && x[1 - d] > start - near && x[1 - d] < end + near;
+    };
+    if (on(a) && on(b)) return static_cast<int>(k);
+  }
+  return -1;
+}
+
 std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>& inward, Index zone) const
 {
-  const double dx = shape_.lattice.dx, near = kOnSide * dx;
-  for (std::size_t side = 0; side < 4; ++side) {
-    const auto d = static_cast<Eigen::Index>(side / 2);
-    const double face = side % 2 ? shape_.box.upper[d] : shape_.box.lower[d];
-    if (std::abs(x[d] - face) > near || sides_[side].empty()) continue;
-    const double s = x[1 - d], start = shape_.box.lower[1 - d];
-    if (s < sides_[side].front().begin - near || s > sides_[side].back().end + near) continue;
-    // A point on the border of two lattice cells counts to the one its bond comes from.
-    const double towards = inward[1 - d] > near ? near : inward[1 - d] < -near ? -near : 0.0;
-    const auto cells = shape_.lattice.count[static_cast<std::size_t>(1 - d)];
-    const double cell = std::clamp(std::floor((s + towards - start) / dx), 0.0, cells - 1.0);
-    const Trace trace{sides_[side], cracks_, seams_, x + inward, face, 1 - d};
-    const auto over = [&](const std::array<double, 2>& rows) {
-      return trace.mean_over({start + rows[0] * dx, start + rows[1] * dx}, s);
-    };
-    if (zone) {
-      // On the border of a zone, bonds that cross each other there share their forces evenly between both sides.
-      const double at = (s - start) / dx, border = std::round(at);
-      const bool shared = std::abs(at - border) < kOnSide && border > 0.0 && border < cells;
-      const auto below = zone_of(side, shared ? border - 1.0 : cell, zone),
-                 above = shared ? zone_of(side, border, zone) : below;
-      if (below[1] - below[0] > 1.0 || above[1] - above[0] > 1.0) {
-        std::optional<Host> host = over(below);
-        const std::optional<Host> other = over(above);
-        if (host && other && host->mix(*other)) return host;
-      }
-    }
-    const auto host = trace.mean_over({start + cell * dx, start + (cell + 1.0) * dx}, s);
-    return host ? host : trace.at(s);
-  }
+  for (const Side& side : sides_)
+    if (auto host = host_on(side, x, inward, zone)) return host;
   return std::nullopt;
+}
+
+/// Nothing if x is not on the side, or no elements are there.
+std::optional<Host> Surroundings::host_on(const Side& side, const Vector<2>& x, const Vector<2>& inward,
+                                          Index zone) const
+{
+  const double dx = shape_.lattice.dx, near = kOnSide * dx;
+  const auto d = static_cast<Eigen::Index>(side.line.axis);
+  if (std::abs(x[d] - side.face) > near || side.edges.empty()) return std::nullopt;
+  const double s = x[1 - d], start = side.start;
+  if (s < side.edges.front().begin - near || s > side.edges.back().end + near) return std::nullopt;
+  // A point on the border of two lattice cells counts to the one its bond comes from.
+  const double towards = inward[1 - d] > near ? near : inward[1 - d] < -near ? -near : 0.0;
+  const Index cells = side.cells();
+  const double cell = std::clamp(std::floor((s + towards - start) / dx), 0.0, cells - 1.0);
+  const Trace trace{side.edges, cracks_, seams_, x + inward, side.face, 1 - d};
+  const auto over = [&](const std::array<double, 2>& rows) {
+    return trace.mean_over({start + rows[0] * dx, start + rows[1] * dx}, s);
+  };
+  if (zone) {
+    // On the border of a zone, bonds that cross each other there share their forces evenly between both sides.
+    const double at = (s - start) / dx, border = std::round(at);
+    const bool shared = std::abs(at - border) < kOnSide && border > 0.0 && border < cells;
+    const auto below = zone_of(side, shared ? border - 1.0 : cell, zone),
+               above = shared ? zone_of(side, border, zone) : below;
+    if (below[1] - below[0] > 1.0 || above[1] - above[0] > 1.0) {
+      std::optional<Host> host = over(below);
+      const std::optional<Host> other = over(above);
+      if (host && other && host->mix(*other)) return host;
+    }
+  }
+  const auto host = over({cell, cell + 1.0});
+  return host ? host : trace.at(s);
 }
 
 double Surroundings::shortest_edge() const
 {
   double shortest = std::numeric_limits<double>::infinity();
-  for (const auto& side : sides_)
-    for (const Edge& edge : side) shortest = std::min(shortest, edge.end - edge.begin);
+  for (const Side& side : sides_)
+    for (const Edge& edge : side.edges) shortest = std::min(shortest, edge.end - edge.begin);
   return shortest;
 }
 
 std::optional<geom::Box<2>> Surroundings::edges_of_rows(PetscInt first, PetscInt end) const
 {
   std::optional<geom::Box<2>> box;
-  for (std::size_t side = 0; side < 4; ++side) {
-    const auto d = static_cast<Eigen::Index>(side / 2);
-    for (const Edge& edge : sides_[side]) {
-      const auto mine = [&](PetscInt row) { return row >= first && row < end; };
+  const auto mine = [&](PetscInt row) { return row >= first && row < end; };
+  for (const Side& side : sides_)
+    for (const Edge& edge : side.edges) {
       if (!mine(edge.rows[0]) && !mine(edge.rows[1])) continue;
       for (const double s : {edge.begin, edge.end}) {
         Vector<2> x;
-        x[d] = side % 2 ? shape_.box.upper[d] : shape_.box.lower[d];
-        x[1 - d] = s;
+        x[static_cast<Eigen::Index>(side.line.axis)] = side.face;
+        x[static_cast<Eigen::Index>(1 - side.line.axis)] = s;
         if (!box) box = geom::Box<2>{x, x};
         box->lower = box->lower.cwiseMin(x);
         box->upper = box->upper.cwiseMax(x);
       }
     }
-  }
   return box;
-}
-
-Host Surroundings::host_in_cell(const Scene& scene, Index cell, const Vector<2>& x)
-{
-  const auto weights = mesh::bilinear_weights(scene.mesh.corners(cell), x);
-  const xfem::CutElement* cut = scene.sets ? scene.sets->cut(cell) : nullptr;
-  Host host;
-  host.across = cut && scene.sets->side_in(*cut, x) != xfem::side_of(scene.sets->cracks().side(cut->crack, x));
-  for (std::size_t a = 0; a < 4; ++a) {
-    const PetscInt node = scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cell)[a])];
-    (void)host.add(node, weights[a]);
-    if (!cut) continue;
-    const double factor = xfem::set_factor(*cut, a, scene.sets->side_in(*cut, x));
-    if (factor != 0.0) (void)host.cross(node, cut->sets[a], weights[a], factor);
-  }
-  return host;
-}
-
-void Surroundings::find_outside(const Scene& scene, std::span<const Surroundings> patches,
-                                std::vector<OutsideRecord>& found)
-{
-  const mesh::Mesh& mesh = scene.mesh;
-  for (Index c = 0; c < mesh.owned_cells(); ++c)
-    for (std::size_t p = 0; p < patches.size(); ++p) {
-      if (mesh.patch(c) == static_cast<int>(p)) continue;
-      const auto& lattice = patches[p].shape_.lattice;
-      mesh::for_each_site(mesh, c, lattice, patches[p].band_, [&](const Site<2>& site, const Vector<2>& x) {
-        if (lattice.contains(site)) return;
-        const bool element = mesh.use(c) != mesh::Use::covered;
-        found.push_back({static_cast<int>(p), site, element ? host_in_cell(scene, c, x) : Host{}});
-      });
-    }
-}
-
-Surroundings::Edge Surroundings::edge_of(const Scene& scene, Index behind, std::array<Index, 2> vertices,
-                                         Eigen::Index along)
-{
-  const mesh::Mesh& mesh = scene.mesh;
-  if (mesh.point(vertices[0])[along] > mesh.point(vertices[1])[along]) std::swap(vertices[0], vertices[1]);
-  Edge edge{};
-  edge.begin = mesh.point(vertices[0])[along];
-  edge.end = mesh.point(vertices[1])[along];
-  edge.crack = -1;
-  const xfem::CutElement* cut = scene.sets ? scene.sets->cut(behind) : nullptr;
-  if (cut) {
-    edge.crack = cut->crack;
-    edge.snapped = cut->snapped ? (*cut->snapped == xfem::Side::plus ? 1 : -1) : 0;
-  }
-  for (std::size_t end = 0; end < 2; ++end) {
-    edge.rows[end] = scene.node_rows[static_cast<std::size_t>(vertices[end])];
-    edge.sets[end] = -1;
-    for (std::size_t a = 0; cut && a < 4; ++a)
-      if (mesh.cell(behind)[a] == vertices[end]) {
-        edge.sets[end] = cut->sets[a];
-        edge.node_side[end] = cut->element.side[a];
-      }
-  }
-  return edge;
-}
-
-void Surroundings::find_edges(const Scene& scene, std::span<const Surroundings> patches, std::vector<EdgeRecord>& found)
-{
-  const mesh::Mesh& mesh = scene.mesh;
-  const auto key = [](Index a, Index b) {
-    return static_cast<std::int64_t>(std::min(a, b)) << 32 | static_cast<std::int64_t>(std::max(a, b));
-  };
-  std::unordered_map<std::int64_t, Index> behind; // edge -> element on the other side, -1 for none
-  const auto covered = mesh.cells(mesh::Use::covered);
-  for (const Index c : covered)
-    for (std::size_t a = 0; a < 4; ++a) behind[key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])] = -1;
-  for (Index c = 0; c < mesh.cells(); ++c)
-    for (std::size_t a = 0; a < 4 && mesh.use(c) != mesh::Use::covered; ++a)
-      if (const auto edge = behind.find(key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])); edge != behind.end())
-        edge->second = c;
-  for (const Index c : covered) {
-    if (c >= mesh.owned_cells()) continue;
-    for (std::size_t a = 0; a < 4; ++a) {
-      const Index v = mesh.cell(c)[a], w = mesh.cell(c)[(a + 1) % 4], element = behind.at(key(v, w));
-      if (element < 0) continue;
-      const auto p = static_cast<std::size_t>(mesh.patch(c));
-      const int side = side_of(patches[p].shape_, mesh.point(v), mesh.point(w));
-      if (side >= 0) found.push_back({static_cast<int>(p), side, edge_of(scene, element, {v, w}, 1 - side / 2)});
-    }
-  }
-}
-
-std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span<const PatchShape> patches, Index band,
-                                               std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets,
-                                               const crack::CrackSet* seams)
-{
-  std::vector<Surroundings> all;
-  for (const PatchShape& shape : patches) all.push_back(Surroundings(shape, band));
-  for (Surroundings& around : all) {
-    around.cracks_ = sets ? &sets->cracks() : nullptr;
-    around.seams_ = seams;
-  }
-  std::vector<OutsideRecord> outside;
-  std::vector<EdgeRecord> edges;
-  const Scene scene{mesh, node_rows, sets};
-  find_outside(scene, all, outside);
-  find_edges(scene, all, edges);
-  for (const OutsideRecord& record : gather_all(mesh.comm(), outside)) {
-    Surroundings& around = all[static_cast<std::size_t>(record.patch)];
-    around.hosts_.push_back(record.host);
-    around.where_[around.position(record.site)] = static_cast<Index>(around.hosts_.size());
-  }
-  for (const EdgeRecord& record : gather_all(mesh.comm(), edges))
-    all[static_cast<std::size_t>(record.patch)].sides_[static_cast<std::size_t>(record.side)].push_back(record.edge);
-  for (Surroundings& around : all)
-    for (auto& side : around.sides_)
-      std::sort(side.begin(), side.end(), [](const Edge& a, const Edge& b) { return a.begin < b.begin; });
-  for (Surroundings& around : all) around.find_free_ends();
-  return all;
 }
 } // namespace pdx::couple

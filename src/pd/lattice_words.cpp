@@ -33,7 +33,7 @@ template <int Dim> void LatticePart<Dim>::find_traits()
 {
   traits_.assign(static_cast<std::size_t>(window_size_), 0);
   for (std::size_t k = 0; k < sites_.size(); ++k) {
-    const std::ptrdiff_t i = at(lattice_.site(sites_[k]));
+    const std::ptrdiff_t i = at(active_.site(sites_[k]));
     const Index row = first_row_ + static_cast<Index>(k);
     std::uint8_t traits = kOwned | kPlain | kComplete;
     for (std::size_t h = 0; h < arms_.size(); ++h)
@@ -41,6 +41,8 @@ template <int Dim> void LatticePart<Dim>::find_traits()
         const std::ptrdiff_t j = i + sign * arms_[h].jump;
         const bool there = has_bond(sign > 0 ? i : j, h);
         if (!there) traits &= static_cast<std::uint8_t>(~kComplete);
+        // The linear kernel takes bonds that never were for bonds to u = 0: not where a particle is.
+        if (!there && !active_.is_box() && active_.has(site_at(j))) traits &= static_cast<std::uint8_t>(~kPlain);
         if (there && surface_factor(sign > 0 ? i : j, h) != 1.0) traits &= static_cast<std::uint8_t>(~kPlain);
       }
     traits_[static_cast<std::size_t>(i)] = traits;
@@ -213,7 +215,7 @@ template <int Dim> void LatticePart<Dim>::restore()
 
 template <int Dim> std::array<std::uint64_t, 2> LatticePart<Dim>::words_of(Index k) const
 {
-  const auto i = static_cast<std::size_t>(at(lattice_.site(sites_[static_cast<std::size_t>(k)])));
+  const auto i = static_cast<std::size_t>(at(active_.site(sites_[static_cast<std::size_t>(k)])));
   return {words_[0][i], planes() > 1 ? words_[1][i] : 0};
 }
 
@@ -227,7 +229,7 @@ template <int Dim> Site<Dim> LatticePart<Dim>::site_at(std::ptrdiff_t at) const
 template <int Dim> std::vector<Index> LatticePart<Dim>::word_sites() const
 {
   std::vector<Index> numbers = sites_;
-  for (const std::ptrdiff_t i : halo_at_) numbers.push_back(static_cast<Index>(lattice_.number(site_at(i))));
+  for (const std::ptrdiff_t i : halo_at_) numbers.push_back(number(site_at(i)));
   return numbers;
 }
 
@@ -241,7 +243,7 @@ template <int Dim> void LatticePart<Dim>::set_words(std::span<const std::uint64_
   };
   const std::size_t count = sites_.size() + halo_at_.size();
   for (std::size_t k = 0; k < count; ++k) {
-    const std::ptrdiff_t i = k < sites_.size() ? at(lattice_.site(sites_[k])) : halo_at_[k - sites_.size()];
+    const std::ptrdiff_t i = k < sites_.size() ? at(active_.site(sites_[k])) : halo_at_[k - sites_.size()];
     for (std::size_t h = 0; h < arms_.size(); ++h)
       if (!(words[2 * k + h / 64] >> (h % 64) & 1u) && (owned(i) || owned(i + arms_[h].jump)))
         words_[h / 64][static_cast<std::size_t>(i)] &= ~(std::uint64_t{1} << (h % 64));

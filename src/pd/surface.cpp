@@ -67,7 +67,8 @@ public:
   static constexpr std::size_t kWays = 4;
 
   Sides(const Exists<2>& exists, const crack::CrackSet* cracks, int reach, const WindowSites<2>& window)
-      : reach_(static_cast<std::uint8_t>(reach)), lattice_(window.lattice), cracks_(cracks),
+      : reach_(static_cast<std::uint8_t>(reach)), lattice_(window.lattice), deep_(window.sites().eroded(reach)),
+        cracks_(cracks),
         there_(window.lower, window.extent, 2 * reach, 0), depth_{Map(window.lower, window.extent, 2 * reach, reach_),
                                                                   Map(window.lower, window.extent, 2 * reach, reach_),
                                                                   Map(window.lower, window.extent, 2 * reach, reach_),
@@ -102,9 +103,7 @@ private:
   /// Is the site so far inside that no side is near?
   bool inside(const Site<2>& site) const
   {
-    for (std::size_t d = 0; d < 2; ++d)
-      if (site[d] < reach_ || site[d] >= lattice_.count[d] - reach_) return false;
-    return !cracks_ || !cracks_->near(lattice_.point(site), (reach_ + 1) * lattice_.dx);
+    return deep_.has(site) && (!cracks_ || !cracks_->near(lattice_.point(site), (reach_ + 1) * lattice_.dx));
   }
 
   std::uint8_t look(Site<2> site, std::size_t way) const
@@ -131,6 +130,7 @@ private:
 
   std::uint8_t reach_;
   geom::Lattice<2> lattice_;
+  geom::SiteSet<2> deep_;
   const crack::CrackSet* cracks_;
   Map there_;
   std::array<Map, kWays> depth_, straight_;
@@ -170,12 +170,12 @@ namespace {
 template <int Dim> class Shares {
 public:
   Shares(const Stencil<Dim>& stencil, Exists<Dim> exists, const WindowSites<Dim>& window)
-      : stencil_(stencil), exists_(std::move(exists)), lattice_(window.lattice), family_(family_reach(stencil)),
+      : stencil_(stencil), exists_(std::move(exists)), whole_(window.sites().eroded(family_reach(stencil))),
         known_(window.lower, window.extent, stencil.reach, std::numeric_limits<double>::quiet_NaN())
   {}
   double of(const Site<Dim>& site)
   {
-    if (inside(site, family_)) return 1.0;
+    if (whole_.has(site)) return 1.0;
     if (!known_.holds(site)) return family_share<Dim>(stencil_, site, exists_);
     double& share = known_[site];
     if (std::isnan(share)) share = family_share<Dim>(stencil_, site, exists_);
@@ -185,19 +185,11 @@ public:
   {
     return 2.0 / (of(lower) + of(shifted<Dim>(lower, stencil_.half[arm].step, 1)));
   }
-  /// Are all sites within `width` sites of the lattice?
-  bool inside(const Site<Dim>& site, Index width) const
-  {
-    for (std::size_t d = 0; d < Dim; ++d)
-      if (site[d] < width || site[d] >= lattice_.count[d] - width) return false;
-    return true;
-  }
 
 private:
   const Stencil<Dim>& stencil_;
   Exists<Dim> exists_;
-  geom::Lattice<Dim> lattice_;
-  int family_;
+  geom::SiteSet<Dim> whole_; ///< sites of complete families
   SiteMap<Dim, double> known_;
 };
 } // namespace
@@ -209,8 +201,8 @@ template <int Dim> SurfaceCorrection<Dim> correct_volumes(Stencil<Dim> stencil, 
     const auto shares = std::make_shared<Shares<Dim>>(*shared, exists, window);
     BondFactors<Dim> factors;
     factors.of = [shared, shares](const Site<Dim>& lower, std::size_t arm) { return shares->factor(lower, arm); };
-    factors.any = [shares, width = family_reach(*shared) + shared->reach](const Site<Dim>& lower) {
-      return !shares->inside(lower, width);
+    factors.any = [far = window.sites().eroded(family_reach(*shared) + shared->reach)](const Site<Dim>& lower) {
+      return !far.has(lower);
     };
     return factors;
   };
@@ -232,10 +224,9 @@ SurfaceCorrection<2> correct_sides(Stencil<2> stencil, SideWeights weights, Exis
       return towards(weights, *sides, 0, lower, upper, dx, dy) * towards(weights, *sides, 1, upper, lower, dx, dy) *
              towards(weights, *sides, 2, left, right, dy, dx) * towards(weights, *sides, 3, right, left, dy, dx);
     };
-    factors.any = [lattice = window.lattice, cracks, width = 2 * stencil.reach](const Site<2>& lower) {
-      for (std::size_t d = 0; d < 2; ++d)
-        if (lower[d] < width || lower[d] >= lattice.count[d] - width) return true;
-      return cracks && cracks->near(lattice.point(lower), (width + 1) * lattice.dx);
+    const Index width = 2 * stencil.reach;
+    factors.any = [lattice = window.lattice, far = window.sites().eroded(width), cracks, width](const Site<2>& lower) {
+      return !far.has(lower) || (cracks && cracks->near(lattice.point(lower), (width + 1) * lattice.dx));
     };
     return factors;
   };

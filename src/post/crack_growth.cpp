@@ -28,13 +28,12 @@ std::optional<double> crossing(const crack::Tip& tip, const Vector<2>& a, const 
   return std::max(0.0, distance);
 }
 
-/// The patch whose box holds the point.
+/// The patch that holds the point.
 std::optional<std::size_t> patch_of(std::span<const std::unique_ptr<pd::LatticePart<2>>> parts, const Vector<2>& x)
 {
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const geom::Lattice<2>& lattice = parts[p]->lattice();
-    const Vector<2> size = lattice.dx * Vector<2>(lattice.count[0], lattice.count[1]);
-    if (geom::Box<2>{lattice.origin, lattice.origin + size}.contains(x, kRound * lattice.dx)) return p;
+    if (geom::covers(lattice, parts[p]->active(), x, kRound * lattice.dx)) return p;
   }
   return std::nullopt;
 }
@@ -69,7 +68,7 @@ void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, const c
   const double way = way_ahead(cracks, tip, reach);
   std::vector<std::uint8_t> intact(arms.size());
   for (Index k = 0; k < static_cast<Index>(part.sites().size()); ++k) {
-    const Site<2> site = lattice.site(part.sites()[static_cast<std::size_t>(k)]);
+    const Site<2> site = part.site(part.sites()[static_cast<std::size_t>(k)]);
     const Vector<2> a = lattice.point(site);
     if (std::abs(height(tip, a)) > reach) continue;
     std::ranges::fill(intact, std::uint8_t{0});
@@ -78,7 +77,7 @@ void look(const pd::LatticePart<2>& part, const crack::CrackSet& cracks, const c
     });
     for (std::size_t h = 0; h < arms.size(); ++h) {
       const Site<2> other{site[0] + arms[h].step[0], site[1] + arms[h].step[1]};
-      if (!lattice.contains(other)) continue;
+      if (!part.begins(site, h)) continue;
       const Vector<2> b = lattice.point(other);
       const std::optional<double> distance = crossing(tip, a, b, rounding);
       if (!distance || *distance > way + rounding) continue;

@@ -1,7 +1,5 @@
 #include "pdx/post/crack_tree.hpp"
 
-#include "pdx/geom/box.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -40,11 +38,11 @@ private:
 CrackTree::CrackTree(std::vector<CrackStart> starts, std::vector<TreeGround> grounds)
     : starts_(std::move(starts)), grounds_(std::move(grounds))
 {
+  for (TreeGround& ground : grounds_)
+    if (ground.active.size() == 0) ground.active = geom::SiteSet<2>(ground.lattice);
   for (const CrackStart& start : starts_) {
     const auto holds = [&](const TreeGround& ground) {
-      const Vector<2> from = start.at - ground.lattice.origin;
-      const Vector<2> size = ground.lattice.dx * Vector<2>(ground.lattice.count[0], ground.lattice.count[1]);
-      return geom::Box<2>{Vector<2>::Zero(), size}.contains(from, kRound * ground.lattice.dx);
+      return geom::covers(ground.lattice, ground.active, start.at, kRound * ground.lattice.dx);
     };
     const auto found = std::ranges::find_if(grounds_, holds);
     start_ground_.push_back(found == grounds_.end() ? -1 : static_cast<int>(found - grounds_.begin()));
@@ -87,7 +85,7 @@ void CrackTree::seed(Point& point, const TreeGround& ground)
 int CrackTree::insert(const Arrival& arrival)
 {
   const TreeGround& ground = grounds_[static_cast<std::size_t>(arrival.patch)];
-  const Site<2> site = ground.lattice.site(arrival.site);
+  const Site<2> site = ground.active.site(arrival.site);
   const int number = static_cast<int>(points_.size());
   Point point;
   point.at = ground.lattice.point(site);
@@ -95,8 +93,8 @@ int CrackTree::insert(const Arrival& arrival)
   for (Index i = -kReach; i <= kReach; ++i)
     for (Index j = -kReach; j <= kReach; ++j) {
       const Site<2> other{site[0] + i, site[1] + j};
-      if (i * i + j * j > kReach * kReach + 1 || (!i && !j) || !ground.lattice.contains(other)) continue;
-      const auto found = point_of_.find(key(arrival.patch, static_cast<Index>(ground.lattice.number(other))));
+      if (i * i + j * j > kReach * kReach + 1 || (!i && !j) || !ground.active.has(other)) continue;
+      const auto found = point_of_.find(key(arrival.patch, static_cast<Index>(ground.active.place(other))));
       if (found == point_of_.end()) continue;
       point.near.push_back(found->second);
       points_[static_cast<std::size_t>(found->second)].near.push_back(number);

@@ -22,6 +22,28 @@ struct Lines {
   }
 };
 
+/// The lines of the lattice nearest to the sides of a square.
+Lines lines_around(const geom::Lattice<2>& lattice, const Vector<2>& middle, double half)
+{
+  Lines lines{};
+  for (std::size_t d = 0; d < 2; ++d) {
+    const auto axis = static_cast<Eigen::Index>(d);
+    const double centre = (middle[axis] - lattice.origin[axis]) / lattice.dx;
+    lines.lower[d] = static_cast<Index>(std::ceil(centre - half - 0.5 - kTie));
+    lines.upper[d] = static_cast<Index>(std::floor(centre + half + 0.5 + kTie));
+  }
+  return lines;
+}
+
+/// Do all particles within the margin of a contour's inside belong to the patch?
+bool inside(const PatchState& state, const Lines& lines)
+{
+  const Index margin = state.margin;
+  return lines.upper[0] > lines.lower[0] && lines.upper[1] > lines.lower[1] &&
+         state.part.active().has_all(
+             {{lines.lower[0] - margin, lines.lower[1] - margin}, {lines.upper[0] + margin, lines.upper[1] + margin}});
+}
+
 double largest_side(const PatchState& state, const Vector<2>& centre)
 {
   const geom::Lattice<2>& lattice = state.part.lattice();
@@ -31,6 +53,8 @@ double largest_side(const PatchState& state, const Vector<2>& centre)
     const Index count = lattice.count[static_cast<std::size_t>(d)];
     half = std::min({half, at - state.margin, count - state.margin - at});
   }
+  for (; half > 0.0 && !state.part.active().is_box(); half -= 1.0)
+    if (inside(state, lines_around(lattice, centre, half))) break;
   return 2.0 * half * lattice.dx;
 }
 
@@ -49,7 +73,7 @@ Lines place(const PatchState& state, const SquareContour& contour)
     lines.lower[d] = static_cast<Index>(lower);
     lines.upper[d] = static_cast<Index>(upper);
   }
-  if (fits) return lines;
+  if (fits && inside(state, lines)) return lines;
   const std::string place =
       fmt::format("the J contour of side {:g} m around {}", contour.side, state.frame.text(contour.centre));
   const double most = largest_side(state, contour.centre);
@@ -172,7 +196,7 @@ private:
   void add_particle(Index k, std::vector<double>& sums) const
   {
     const pd::LatticePart<2>& part = state_.part;
-    const Site<2> site = part.lattice().site(part.sites()[static_cast<std::size_t>(k)]);
+    const Site<2> site = part.site(part.sites()[static_cast<std::size_t>(k)]);
     const double w = state_.density[static_cast<std::size_t>(part.first_row() + k)];
     bool close = false; // may a bond of the particle cross some contour?
     for (std::size_t c = 0; c < contours_.size(); ++c) {

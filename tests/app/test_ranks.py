@@ -57,6 +57,10 @@ class Ranks(program.ProgramTest):
             PATCH | {"-pd_patches": "0.1,0.1,0.4,0.4,0.6,0.5,0.9,0.9", "-pd_spacing": "0.025,0.0125"}
         )
 
+    def test_a_patch_like_an_l_and_one_of_two_boxes_that_meet_in_a_corner(self):
+        boxes = "0.1,0.1,0.4,0.2,0.1,0.2,0.2,0.5,0.5,0.5,0.7,0.7,0.7,0.7,0.9,0.9"
+        self.assert_ranks_agree(PATCH | {"-pd_patches": boxes})
+
     def test_particles_only_with_a_held_layer(self):
         layer = {"-mesh_cells": None, "-pd_patches": "all", "-pd_spacing": "0.025", "-bc_clamp_layer": ""}
         self.assert_ranks_agree(PLATE | layer)

@@ -53,6 +53,8 @@ COUPLED = TORN | {
     "-bc_bottom_displacement": None,
     "-pd_critical_stretch": "0.004",
 }
+# The same with a patch like an L, in whose leg the crack ends.
+SHAPED = COUPLED | {"-case": "shaped", "-pd_patches": "0.4,0.1,0.8,0.25,0.4,0.25,0.6,0.4"}
 TABLES = ("displacement", "velocity", "acceleration", "held_force")
 
 
@@ -99,7 +101,7 @@ class Restart(program.ProgramTest):
             self.assertEqual((a / name).read_bytes(), (b / name).read_bytes(), name)
 
     def test_the_same_ranks_go_on_to_the_last_bit(self):
-        for scene in (TORN, RUNNING, COUPLED):
+        for scene in (TORN, RUNNING, COUPLED, SHAPED):
             options = scene | {"-output_fields": "", "-output_interval": "100"}
             for ranks in (1, 2):
                 with self.subTest(scene["-case"], ranks=ranks):
@@ -112,7 +114,7 @@ class Restart(program.ProgramTest):
                     self.assert_same_displacement(whole, rest, tolerance=0.0)
 
     def test_other_ranks_go_on_to_rounding_with_the_same_broken_bonds(self):
-        for scene in (TORN, RUNNING, COUPLED):
+        for scene in (TORN, RUNNING, COUPLED, SHAPED):
             for before, after in ((2, 1), (1, 3)):
                 with self.subTest(scene["-case"], before=before, after=after):
                     whole = self.solve(scene | {"-checkpoint_interval": "400"}, before)

@@ -85,6 +85,12 @@ class Warnings(program.ProgramTest):
         self.assert_warned(self.launch(few), r"-pd_surface_correction: bonds of -pd_horizon_ratio 2 are too few.*volume")
         self.assertEqual(self.launch(few | {"-pd_surface_correction": "volume"}).err, "")
 
+    def test_an_inner_corner_near_a_free_side(self):
+        plate = BAR | {"-mesh_upper": "0.4,0.2", "-mesh_cells": "20,10"}
+        near = self.launch(plate | {"-pd_patches": "0.1,0,0.3,0.04,0.1,0.04,0.2,0.12"})
+        self.assert_warned(near, r"-pd_patches: patch 1 has an inner corner at \(?0\.2, ?0\.04\)?, 4 rows.*6 rows")
+        self.assertEqual(self.launch(plate | {"-pd_patches": "0.1,0,0.3,0.08,0.1,0.08,0.2,0.12"}).err, "")
+
     def test_a_poisson_ratio_that_is_nearly_that_of_bonds(self):
         thick = BAR | {"-mesh_upper": "0.4,0.08"}
         self.assert_warned(self.launch(thick | {"-material_poisson": "0.333"}), r"-material_poisson is 0\.333.*1/3")

@@ -16,4 +16,8 @@ std::string thin_warning(const SceneOptions& options, const std::array<Index, 3>
 
 /// Says that the default correction of free sides had to give way to `volume`; empty where it had not.
 std::string correction_warning(const SceneOptions& options, const PatchPlan& plan);
+
+/// Says which patch has an inner corner so near to a side of the body that the correction of the side is not exact
+/// there; empty if none has. @param body  the box around the mesh [m]
+std::string corner_warning(const PatchPlan& plan, const geom::Box<2>& body, const geom::Frame& frame);
 } // namespace pdx::app

@@ -8,6 +8,7 @@ namespace pdx::app {
 /// Where the patches lie and of what they are made. For `-pd_patches all` the one patch is the body and its layers.
 struct PatchPlan {
   std::vector<couple::PatchShape> shapes;
+  std::vector<std::vector<std::size_t>> entries; ///< per patch: which of -pd_patches it is made of, ascending
   std::vector<pd::Stencil<2>> stencils;
   geom::Box<2> body;                                 ///< without layers [m]; of box meshes only
   std::vector<std::optional<pd::SideWeights>> sides; ///< per patch: of the exact surface correction, where it is used

@@ -86,7 +86,8 @@ private:
   FineRows fine_;
   const field::System& system_;
   std::vector<PatchGrid> grids_;
-  std::vector<fem::ElementMatrix> grid_stiffness_; // of an intact cell, per patch
+  std::vector<fem::ElementMatrix> grid_stiffness_; // of an intact cell, per patch and kind of cell
+  std::vector<std::size_t> first_kind_;            // of each patch in it
   std::vector<Index> elements_;                    // local plain cells that touch an owned vertex
   std::vector<Index> cut_;                         // likewise cut cells
   std::vector<GridCell> cells_;                    // ordered by patch and cell
@@ -101,8 +102,8 @@ private:
   std::map<NodeKey, std::vector<std::pair<Index, Index>>> split_; // site -> local row, ordered
   std::vector<PetscInt> fine_first_, coarse_first_;               // of each rank
   std::vector<Vector<2>> extra_points_;
-  std::vector<Index> weak_;                                  // owned rows of split nodes
-  std::vector<std::pair<int, std::array<Index, 4>>> intact_; // patch and rows of cells that are as they were
+  std::vector<Index> weak_;                                          // owned rows of split nodes
+  std::vector<std::pair<std::size_t, std::array<Index, 4>>> intact_; // stiffness and rows of cells as they were
   std::vector<Special> special_;
   field::Interpolation interpolation_;
   std::vector<std::uint8_t> held_; // per component of every local coarse row

@@ -1,16 +1,27 @@
 #pragma once
 #include "pdx/geom/box.hpp"
-#include "pdx/geom/lattice.hpp"
+#include "pdx/geom/site_names.hpp"
+#include "pdx/geom/site_set.hpp"
 #include "pdx/mesh/mesh.hpp"
 #include "pdx/xfem/enriched_sets.hpp"
 
 #include <optional>
 
 namespace pdx::couple {
-/// Where one patch lies: its box is made of whole cells and of whole lattice cells.
+/// Where one patch lies: boxes that hang together, made of whole cells and of whole lattice cells.
 struct PatchShape {
-  geom::Box<2> box;
-  geom::Lattice<2> lattice;
+  geom::Box<2> box;                ///< around it [m]
+  geom::Lattice<2> lattice;        ///< of that box
+  geom::SiteSet<2> active;         ///< the patch's sites
+  std::vector<geom::Box<2>> boxes; ///< what it is made of [m]
+  geom::SiteNames names;
+
+  /// A patch that is one box.
+  static PatchShape of_box(const geom::Box<2>& box, const geom::Lattice<2>& lattice);
+  /// Is x in one of its boxes, or no further away than the margin [m]?
+  bool holds(const Vector<2>& x, double margin = 0.0) const;
+  /// Where the lattice line before the sites k of an axis runs [m].
+  double line(std::size_t axis, Index k) const;
 };
 
 /// A point carried by rows: displacement = sum of weight times row. Nodes of an element or of the edges at the border
@@ -51,7 +62,7 @@ public:
   /// True for a site in the band where the body has material.
   bool outside(const Site<2>& site) const;
   /// True for a site outside the patch, in the body or not, that is reached through elements only: on every side of
-  /// the patch it lies beyond there are elements, opposite or at the corner next to it.
+  /// the patch in the band that it lies beyond there are elements, opposite or at the corner next to it.
   bool behind_elements(const Site<2>& site) const;
   /// The element that holds an outside site; count = 0 if no plain cell does.
   const Host& element_host(const Site<2>& site) const;
@@ -62,8 +73,6 @@ public:
   /// @param zone  lattice cells beside the body's free sides whose trace is averaged as that of one: bonds with surface
   /// factors share the tension out unevenly, but all in all as a uniform traction there
   std::optional<Host> edge_host(const Vector<2>& x, const Vector<2>& inward, Index zone = 0) const;
-  /// True if no elements touch the side: left, right, bottom, top.
-  bool bare(std::size_t side) const { return sides_[side].empty(); }
   /// Length of the shortest interface edge, infinite if there is none [m].
   double shortest_edge() const;
   /// Box around the interface edges that have a row of [first, end), empty if there are none.
@@ -79,6 +88,14 @@ private:
     int snapped = 0;                       // +-1: the element moves with that side as a whole
   };
   struct Trace;
+  /// A straight piece of the patch's border.
+  struct Side {
+    geom::StraightSide line;
+    double face = 0.0, start = 0.0; // where it lies across its axis, and where it starts along the other [m]
+    std::vector<Edge> edges;        // ascending
+    std::array<bool, 2> free_end{}; // the body ends where the side does, at its lower and upper end
+    Index cells() const { return line.to - line.from; }
+  };
   struct OutsideRecord {
     int patch;
     Site<2> site;
@@ -91,7 +108,9 @@ private:
   explicit Surroundings(PatchShape shape, Index band);
   std::size_t position(const Site<2>& site) const;
   void find_free_ends();
-  std::array<double, 2> zone_of(std::size_t side, double cell, Index zone) const;
+  static std::array<double, 2> zone_of(const Side& side, double cell, Index zone);
+  std::optional<Host> host_on(const Side& side, const Vector<2>& x, const Vector<2>& inward, Index zone) const;
+  int side_of(const Vector<2>& a, const Vector<2>& b) const;
   bool in_band(const Site<2>& site) const;
   /// What a survey looks at.
   struct Scene {
@@ -109,8 +128,7 @@ private:
   std::array<Index, 2> width_;
   std::vector<Index> where_; // per site of lattice and band: entry of hosts_ + 1, 0 = nothing there
   std::vector<Host> hosts_;
-  std::array<std::vector<Edge>, 4> sides_;        // left, right, bottom, top; ascending
-  std::array<std::array<bool, 2>, 4> free_end_{}; // the body ends where the side does, at its lower and upper end
+  std::vector<Side> sides_;
   const crack::CrackSet *cracks_ = nullptr, *seams_ = nullptr;
 };
 } // namespace pdx::couple

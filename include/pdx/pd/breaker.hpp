@@ -1,6 +1,6 @@
 #pragma once
 #include "pdx/crack/crack_set.hpp"
-#include "pdx/geom/lattice.hpp"
+#include "pdx/geom/site_set.hpp"
 #include "pdx/pd/bond_kernel.hpp"
 #include "pdx/pd/stencil.hpp"
 
@@ -29,9 +29,12 @@ struct Broken {
 
 /// Where the sites of a window are. Points are those of the whole lattice, so that they are equal on every rank.
 template <int Dim> struct WindowSites {
-  geom::Lattice<Dim> lattice; ///< the whole patch
-  Site<Dim> lower{};          ///< site of window index 0
-  Site<Dim> extent{};         ///< sites per direction, padding included
+  geom::Lattice<Dim> lattice;                 ///< the whole patch
+  Site<Dim> lower{};                          ///< site of window index 0
+  Site<Dim> extent{};                         ///< sites per direction, padding included
+  const geom::SiteSet<Dim>* active = nullptr; ///< sites of the patch; null: the whole lattice
+
+  geom::SiteSet<Dim> sites() const { return active ? *active : geom::SiteSet<Dim>(lattice); }
 };
 
 /// Intact bonds that start at (whose lower end is) a particle of the runs. Summed over ranks: each bond once.

@@ -1,7 +1,7 @@
 #pragma once
 #include "pdx/field/force_loss.hpp"
 #include "pdx/field/rows.hpp"
-#include "pdx/geom/lattice.hpp"
+#include "pdx/geom/line_pieces.hpp"
 #include "pdx/pd/breaker.hpp"
 #include "pdx/pd/damage.hpp"
 #include "pdx/pd/site_directory.hpp"
@@ -29,11 +29,23 @@ template <int Dim> struct LostBond {
 template <int Dim> class LatticePart {
 public:
   /// @param sites   owned site numbers, ascending; their rows follow each other from local row `first_row`
-  /// @param correction  of bonds near free surfaces; empty: none. Collective.
+  /// @param correction  of bonds near free surfaces; empty: none
+  /// @param active  sites of the patch, by whose place they are numbered; none: the whole lattice. Collective.
   LatticePart(const field::Rows& rows, geom::Lattice<Dim> lattice, Stencil<Dim> stencil, std::vector<Index> sites,
-              Index first_row, SurfaceCorrection<Dim> correction);
+              Index first_row, SurfaceCorrection<Dim> correction, geom::SiteSet<Dim> active = {});
 
   const geom::Lattice<Dim>& lattice() const { return lattice_; }
+  const geom::SiteSet<Dim>& active() const { return active_; } ///< sites of the whole patch
+  Site<Dim> site(Index number) const { return active_.site(number); }
+  Index number(const Site<Dim>& site) const { return static_cast<Index>(active_.place(site)); } ///< of an active site
+  /// Has the patch a bond along half arm `arm` from the site at first? Both ends are particles, and what is between
+  /// them is of the patch too.
+  bool begins(const Site<Dim>& site, std::size_t arm) const
+  {
+    return geom::runs_inside<Dim>(active_, site, lines_[arm]);
+  }
+  /// Are all sites up to a bond's reach away particles?
+  bool deep(const Site<Dim>& site) const { return deep_.has(site); }
   const Stencil<Dim>& stencil() const { return stencil_; }
   std::span<const Index> sites() const { return sites_; } ///< owned site numbers
   Index first_row() const { return first_row_; }          ///< local row of sites()[0]
@@ -148,6 +160,8 @@ private:
   Stencil<Dim> stencil_;
   std::vector<Index> sites_;
   Index first_row_;
+  geom::SiteSet<Dim> active_, deep_;
+  std::vector<std::vector<geom::LinePiece<Dim>>> lines_; // per half arm
   SiteDirectory directory_;
 
   Site<Dim> lower_{}, extent_{}; // window: first site, sites per direction (padding included)
@@ -196,7 +210,7 @@ template <int Dim> double LatticePart<Dim>::surface_factor(std::ptrdiff_t lower,
 
 template <int Dim> template <class Visit> void LatticePart<Dim>::for_each_bond(Index k, Visit&& visit) const
 {
-  const Site<Dim> site = lattice_.site(sites_[static_cast<std::size_t>(k)]);
+  const Site<Dim> site = active_.site(sites_[static_cast<std::size_t>(k)]);
   const std::ptrdiff_t i = at(site);
   for (std::size_t h = 0; h < arms_.size(); ++h)
     for (const int sign : {+1, -1}) {

@@ -1,6 +1,6 @@
 #pragma once
 #include "pdx/base/tensor.hpp"
-#include "pdx/geom/lattice.hpp"
+#include "pdx/geom/site_set.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -24,7 +24,8 @@ struct CrackStart {
 /// A patch as the tree sees it.
 struct TreeGround {
   geom::Lattice<2> lattice;
-  double horizon = 0.0; ///< [m]
+  double horizon = 0.0;         ///< [m]
+  geom::SiteSet<2> active = {}; ///< its sites; none: the whole lattice
 };
 
 /// When damage came by, and where.

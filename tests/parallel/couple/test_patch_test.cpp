@@ -1,35 +1,15 @@
-#include "support/scene.hpp"
+#include "support/uniform_strain.hpp"
 
 #include <gtest/gtest.h>
 
 using namespace pdx;
 using couple::Scheme;
+using test::kStrains;
+using test::worst_error;
 
 namespace {
 const geom::Box<2> kMiddle{{0.25, 0.25}, {0.75, 0.75}};
 constexpr double kExact = 1e-10; // relative, all rows
-
-struct Strain {
-  const char* name;
-  test::Field field;
-};
-const Strain kStrains[] = {{"e_xx", test::affine(1e-3, 0.0, 0.0, 0.0)},
-                           {"e_yy", test::affine(0.0, 0.0, 0.0, 1e-3)},
-                           {"gamma_xy", test::affine(0.0, 5e-4, 5e-4, 0.0)},
-                           {"all", test::affine(1e-3, 7e-4, 2e-4, -8e-4, {3e-4, -2e-4})}};
-
-/// Largest error of a uniform strain imposed on the outer boundary, over the four strains.
-double worst_error(const app::SceneOptions& options)
-{
-  const test::Option tight("-ksp_rtol", "1e-13");
-  test::Scene scene(options);
-  double worst = 0.0;
-  for (const Strain& strain : kStrains) {
-    scene.prescribe(strain.field);
-    worst = std::max(worst, scene.max_error(scene.solve().get(), strain.field));
-  }
-  return worst;
-}
 
 app::SceneOptions plate(Index cells = 16) { return test::held_plate({cells, cells}); }
 } // namespace
@@ -113,21 +93,8 @@ TEST(PatchTest, BondsOfTheContinuumFailByTheirModuli)
 }
 
 namespace {
-/// Pulled along x between held ends; bottom and perhaps top are free.
-app::SceneOptions bar(bool free_top)
-{
-  auto options = plate();
-  std::erase_if(options.conditions, [&](const auto& c) { return c.on == "bottom" || (free_top && c.on == "top"); });
-  return options;
-}
-double tension_error(const app::SceneOptions& options)
-{
-  const test::Option tight("-ksp_rtol", "1e-13");
-  const test::Field tension = test::affine(1e-3, 0.0, 0.0, -1e-3 / 3.0, {2e-4, 1e-4});
-  test::Scene scene(options);
-  scene.prescribe(tension);
-  return scene.max_error(scene.solve().get(), tension);
-}
+using test::bar;
+using test::tension_error;
 const geom::Box<2> kAtTheBottom{{0.25, 0.0}, {0.75, 0.5}}, kFromBottomToTop{{0.25, 0.0}, {0.75, 1.0}};
 } // namespace
 

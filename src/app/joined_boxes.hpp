@@ -1,0 +1,16 @@
+#pragma once
+#include "pdx/app/patches.hpp"
+
+namespace pdx::app {
+/// Which boxes of -pd_patches hang together, by their numbers: those that overlap, or share an edge or a corner.
+/// Patches and their boxes come in the order in which they were given. Throws UserError where such boxes have no
+/// lattice in common, saying what would fit.
+std::vector<std::vector<std::size_t>> patches_of_boxes(const SceneOptions& options);
+
+/// The patch that some boxes make up. Throws UserError for a spacing that does not fit.
+couple::PatchShape join_boxes(const SceneOptions& options, std::span<const std::size_t> entries);
+
+/// Numbers all sites of the body, and a margin around it, by lattice: patches of one spacing and phase show pieces of
+/// one lattice.
+void name_sites(std::span<couple::PatchShape> shapes, geom::Box<2> body);
+} // namespace pdx::app

@@ -1,0 +1,128 @@
+#include "pdx/base/gather.hpp"
+#include "pdx/couple/surroundings.hpp"
+#include "pdx/mesh/locate.hpp"
+#include "pdx/mesh/sites.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+// How Surroundings come about: each rank looks at its own cells, then all know all.
+namespace pdx::couple {
+Host Surroundings::host_in_cell(const Scene& scene, Index cell, const Vector<2>& x)
+{
+  const auto weights = mesh::bilinear_weights(scene.mesh.corners(cell), x);
+  const xfem::CutElement* cut = scene.sets ? scene.sets->cut(cell) : nullptr;
+  Host host;
+  host.across = cut && scene.sets->side_in(*cut, x) != xfem::side_of(scene.sets->cracks().side(cut->crack, x));
+  for (std::size_t a = 0; a < 4; ++a) {
+    const PetscInt node = scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cell)[a])];
+    (void)host.add(node, weights[a]);
+    if (!cut) continue;
+    const double factor = xfem::set_factor(*cut, a, scene.sets->side_in(*cut, x));
+    if (factor != 0.0) (void)host.cross(node, cut->sets[a], weights[a], factor);
+  }
+  return host;
+}
+
+void Surroundings::find_outside(const Scene& scene, std::span<const Surroundings> patches,
+                                std::vector<OutsideRecord>& found)
+{
+  const mesh::Mesh& mesh = scene.mesh;
+  std::vector<geom::SiteSet<2>> near;
+  for (const Surroundings& patch : patches) near.push_back(patch.shape_.active.grown(patch.band_));
+  for (Index c = 0; c < mesh.owned_cells(); ++c)
+    for (std::size_t p = 0; p < patches.size(); ++p) {
+      if (mesh.patch(c) == static_cast<int>(p)) continue;
+      const PatchShape& shape = patches[p].shape_;
+      mesh::for_each_site(mesh, c, shape.lattice, patches[p].band_, [&](const Site<2>& site, const Vector<2>& x) {
+        if (shape.active.has(site) || !near[p].has(site)) return;
+        const bool element = mesh.use(c) != mesh::Use::covered;
+        found.push_back({static_cast<int>(p), site, element ? host_in_cell(scene, c, x) : Host{}});
+      });
+    }
+}
+
+Surroundings::Edge Surroundings::edge_of(const Scene& scene, Index behind, std::array<Index, 2> vertices,
+                                         Eigen::Index along)
+{
+  const mesh::Mesh& mesh = scene.mesh;
+  if (mesh.point(vertices[0])[along] > mesh.point(vertices[1])[along]) std::swap(vertices[0], vertices[1]);
+  Edge edge{};
+  edge.begin = mesh.point(vertices[0])[along];
+  edge.end = mesh.point(vertices[1])[along];
+  edge.crack = -1;
+  const xfem::CutElement* cut = scene.sets ? scene.sets->cut(behind) : nullptr;
+  if (cut) {
+    edge.crack = cut->crack;
+    edge.snapped = cut->snapped ? (*cut->snapped == xfem::Side::plus ? 1 : -1) : 0;
+  }
+  for (std::size_t end = 0; end < 2; ++end) {
+    edge.rows[end] = scene.node_rows[static_cast<std::size_t>(vertices[end])];
+    edge.sets[end] = -1;
+    for (std::size_t a = 0; cut && a < 4; ++a)
+      if (mesh.cell(behind)[a] == vertices[end]) {
+        edge.sets[end] = cut->sets[a];
+        edge.node_side[end] = cut->element.side[a];
+      }
+  }
+  return edge;
+}
+
+void Surroundings::find_edges(const Scene& scene, std::span<const Surroundings> patches, std::vector<EdgeRecord>& found)
+{
+  const mesh::Mesh& mesh = scene.mesh;
+  const auto key = [](Index a, Index b) {
+    return static_cast<std::int64_t>(std::min(a, b)) << 32 | static_cast<std::int64_t>(std::max(a, b));
+  };
+  std::unordered_map<std::int64_t, Index> behind; // edge -> element on the other side, -1 for none
+  const auto covered = mesh.cells(mesh::Use::covered);
+  for (const Index c : covered)
+    for (std::size_t a = 0; a < 4; ++a) behind[key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])] = -1;
+  for (Index c = 0; c < mesh.cells(); ++c)
+    for (std::size_t a = 0; a < 4 && mesh.use(c) != mesh::Use::covered; ++a)
+      if (const auto edge = behind.find(key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])); edge != behind.end())
+        edge->second = c;
+  for (const Index c : covered) {
+    if (c >= mesh.owned_cells()) continue;
+    for (std::size_t a = 0; a < 4; ++a) {
+      const Index v = mesh.cell(c)[a], w = mesh.cell(c)[(a + 1) % 4], element = behind.at(key(v, w));
+      if (element < 0) continue;
+      const auto p = static_cast<std::size_t>(mesh.patch(c));
+      const int side = patches[p].side_of(mesh.point(v), mesh.point(w));
+      if (side < 0) continue;
+      const auto axis = static_cast<Eigen::Index>(patches[p].sides_[static_cast<std::size_t>(side)].line.axis);
+      found.push_back({static_cast<int>(p), side, edge_of(scene, element, {v, w}, 1 - axis)});
+    }
+  }
+}
+
+std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span<const PatchShape> patches, Index band,
+                                               std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets,
+                                               const crack::CrackSet* seams)
+{
+  std::vector<Surroundings> all;
+  for (const PatchShape& shape : patches) all.push_back(Surroundings(shape, band));
+  for (Surroundings& around : all) {
+    around.cracks_ = sets ? &sets->cracks() : nullptr;
+    around.seams_ = seams;
+  }
+  std::vector<OutsideRecord> outside;
+  std::vector<EdgeRecord> edges;
+  const Scene scene{mesh, node_rows, sets};
+  find_outside(scene, all, outside);
+  find_edges(scene, all, edges);
+  for (const OutsideRecord& record : gather_all(mesh.comm(), outside)) {
+    Surroundings& around = all[static_cast<std::size_t>(record.patch)];
+    around.hosts_.push_back(record.host);
+    around.where_[around.position(record.site)] = static_cast<Index>(around.hosts_.size());
+  }
+  for (const EdgeRecord& record : gather_all(mesh.comm(), edges))
+    all[static_cast<std::size_t>(record.patch)].sides_[static_cast<std::size_t>(record.side)].edges.push_back(
+        record.edge);
+  for (Surroundings& around : all)
+    for (Side& side : around.sides_)
+      std::sort(side.edges.begin(), side.edges.end(), [](const Edge& a, const Edge& b) { return a.begin < b.begin; });
+  for (Surroundings& around : all) around.find_free_ends();
+  return all;
+}
+} // namespace pdx::couple
