@@ -121,6 +121,23 @@ TEST(PatchShapes, AnLAtAFreeSideIsExactInTensionAlongIt)
   }
 }
 
+TEST(PatchShapes, ExplicitStepsFeelTheSameForces)
+{
+  for (const Shape& shape : {kShapes[0], kShapes[4], kShapes[7]}) {
+    test::Scene scene(with_boxes(plate(), shape.boxes, kElement / 2.0));
+    const std::vector<double> u = scene.blocks(test::noise(5)), expected = scene.internal_force(u);
+    scene.d().bonds->step_explicitly({});
+    const std::vector<double> force = scene.internal_force(u);
+    double largest = 0.0, difference = 0.0;
+    for (std::size_t k = 0; k < force.size(); ++k) {
+      largest = std::max(largest, std::abs(expected[k]));
+      difference = std::max(difference, std::abs(force[k] - expected[k]));
+    }
+    EXPECT_GT(scene.max(largest), 0.0);
+    EXPECT_LE(difference, 1e-12 * scene.max(largest)) << shape.name;
+  }
+}
+
 // The way to a state that depends on everything: the same on one rank and on all.
 TEST(PatchShapes, EnergyAndForcesAreThoseOfOneRank)
 {
