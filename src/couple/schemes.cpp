@@ -139,11 +139,22 @@ private:
         draft.xi = sign * arm.xi;
         draft.energy_share = arm.length / part_.stencil().volume();
         draft.volume = arm.volume_share * part_.stencil().volume();
-        const double leave = geom::parts_inside<2>(part_.active(), site, line).front().clip.leave;
+        const double leave = leaves(site, line);
         if (!place_far_end(draft, x, leave, other)) continue;
         judge(draft, x, draft.xi, {x, lattice.point(other)});
         if (row >= 0 || mine(draft.b) || mine(draft.force_b)) drafts_.push_back(draft);
       }
+  }
+
+  /// Where a line that starts at a particle first leaves the patch.
+  double leaves(const Site<2>& site, std::span<const geom::LinePiece<2>> line) const
+  {
+    double leave = 0.0;
+    for (const geom::LinePiece<2>& piece : line) {
+      if (!part_.active().has(geom::cell_at<2>(site, piece))) break;
+      leave = piece.leave;
+    }
+    return leave;
   }
 
   /// Chooses what carries the outer end; false where the bond leaves through a side without elements behind.
