@@ -100,6 +100,18 @@ class Disk(program.ProgramTest):
                     self.assertIn(name.removesuffix(".part"), run.err)
                     self.assertLess(took, LIMIT)
 
+    def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(self):
+        for ranks in (1, 2):
+            for name in ("crack_path.csv", *TARGETS):
+                with self.subTest(name, ranks=ranks):
+                    directory = self.scratch / f"pipe_{ranks}_{name}"
+                    directory.mkdir()
+                    os.mkfifo(directory / name)
+                    run, took = self.timed(ALL_FILES, ranks, directory)
+                    self.assertIn((run.status, run.err.count("\n")), ((1, 1), (3, 1)), run.err)
+                    self.assertIn(name.removesuffix(".part"), run.err)
+                    self.assertLess(took, LIMIT)
+
     def test_the_old_checkpoint_stays(self):
         first = {"-ts_max_steps": "20", "-output_history": None, "-checkpoint_interval": "20"}
         directory = self.scratch / "run"
