@@ -256,7 +256,12 @@ std::string StaticDriver::attempt(Vec u)
   report_.norms.emplace_back();
   prescribe(u, load_);
   prepare(u);
-  PDX_CALL(SNESSolve(snes_.get(), nullptr, u));
+  try {
+    PDX_CALL(SNESSolve(snes_.get(), nullptr, u));
+  } catch (...) {
+    *snes_.address() = nullptr; // what PETSc has left half done must not even be destroyed (a fault in 3.22 on 2 ranks)
+    throw;
+  }
   report_.solve_seconds.push_back(MPI_Wtime() - begin);
   report_.solve_changes.push_back(0);
   report_.seconds += report_.solve_seconds.back();

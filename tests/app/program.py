@@ -87,7 +87,7 @@ def words_of(options):
 
 def without_launcher(said):
     """What ranks said on stderr, without the notice that Open MPI 5 cannot be kept from adding when they fail."""
-    return re.sub(r"-{60,}\n(prterun|mpirun) .*?\n-{60,}\n", "", said, flags=re.DOTALL)
+    return re.sub(r"-{60,}\n(prterun|mpirun|MPI_ABORT) .*?\n-{60,}\n", "", said, flags=re.DOTALL)
 
 
 def finish(command, directory, timeout=TIMEOUT):

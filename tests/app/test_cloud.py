@@ -186,8 +186,8 @@ class Cloud(program.ProgramTest):
             "-bc_wall_set": "1",
             "-bc_wall_velocity": f"{wall},0",
             "-bc_wall_history": "ramp",
-            "-bc_wall_history_width": repr(0.25 * end),
-            "-ts_max_time": repr(end),
+            "-bc_wall_history_width": repr(float(0.25 * end)),
+            "-ts_max_time": repr(float(end)),
             "-output_fields": "",
             "-quiet": "",
         }
