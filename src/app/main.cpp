@@ -9,6 +9,7 @@
 #include "pdx/base/stop_signals.hpp"
 
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <new>
 #include <string>
@@ -110,6 +111,7 @@ int run_program(const pdx::app::Arguments& arguments)
 
 int main(int argc, char** argv)
 {
+  std::signal(SIGXFSZ, SIG_IGN); // MPI writes files too, and says so where it cannot
   const pdx::StopSignals signals;
   int threads = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &threads);

@@ -129,10 +129,10 @@ class Disk(program.ProgramTest):
 
     def test_a_file_limit_of_the_system(self):
         def limit():
-            resource.setrlimit(resource.RLIMIT_FSIZE, (8 << 20, 8 << 20))
+            resource.setrlimit(resource.RLIMIT_FSIZE, (32 << 20, 32 << 20))  # Open MPI 5 needs a file of 16 MB itself
 
         directory = self.scratch / "limited"
-        options = ALL_FILES | {"-output_interval": "1"}
+        options = ALL_FILES | {"-output_interval": "1", "-ts_max_steps": "1000", "-checkpoint_interval": "500"}
         command = [program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)]
         done = subprocess.run(command, capture_output=True, text=True, cwd=program.ROOT, preexec_fn=limit, check=False)
         self.assert_machine_failed(program.Run(done.returncode, done.stdout, done.stderr, directory), "File too large", directory)
@@ -172,7 +172,7 @@ class Disk(program.ProgramTest):
 
     def test_memory_that_runs_out(self):
         shell = ("bash", "-c", 'ulimit -v "$0"; exec "$@"')
-        big = TORN | {"-pd_spacing": "6.25e-5", "-output_history": None}  # 819,200 particles
+        big = TORN | {"-pd_spacing": "3.125e-5", "-output_history": None}  # 3,276,800 particles
         for ranks in (1, 2):
             with self.subTest(ranks=ranks):
                 run = self.launch(big, ranks, before=(*shell, "500000"))
