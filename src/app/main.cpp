@@ -109,6 +109,11 @@ int run_program(const pdx::app::Arguments& arguments)
 }
 } // namespace
 
+namespace {
+void before_libraries(int, char**, char**) { pdx::StopSignals::look_at_ignored(); }
+[[gnu::section(".preinit_array"), gnu::used]] void (*const first)(int, char**, char**) = before_libraries;
+} // namespace
+
 int main(int argc, char** argv)
 {
   std::signal(SIGXFSZ, SIG_IGN); // MPI writes files too, and says so where it cannot

@@ -14,23 +14,26 @@ volatile std::sig_atomic_t noted = 0;
 
 void note(int sig) { noted = sig; }
 
-std::array<bool, 4> ignored_at_first()
+std::array<bool, 4> ignored{};
+bool looked = false;
+
+[[noreturn]] void stop(int sig) { throw Stopped(std::string("stopped by ") + StopSignals::name(sig)); }
+} // namespace
+
+void StopSignals::look_at_ignored()
 {
-  std::array<bool, 4> ignored{};
+  if (looked) return;
+  looked = true;
   for (std::size_t k = 0; k < kSignals.size(); ++k) {
     struct sigaction now {};
     sigaction(kSignals[k], nullptr, &now);
     ignored[k] = now.sa_handler == SIG_IGN;
   }
-  return ignored;
 }
-
-[[noreturn]] void stop(int sig) { throw Stopped(std::string("stopped by ") + StopSignals::name(sig)); }
-} // namespace
 
 StopSignals::StopSignals()
 {
-  static const std::array<bool, 4> ignored = ignored_at_first();
+  look_at_ignored();
   for (std::size_t k = 0; k < kSignals.size(); ++k) {
     struct sigaction action {};
     action.sa_handler = ignored[k] ? SIG_IGN : note;

@@ -11,7 +11,8 @@ struct Stopped : std::runtime_error {
 };
 
 /// While alive, the signals by which users and batch systems end a run (TERM, USR1, INT, HUP) are only noted, on this
-/// rank. One that was ignored when the first of these objects was made (nohup) stays ignored.
+/// rank. One that was ignored (nohup) when `look_at_ignored` was called, or the first of these objects was made, stays
+/// so.
 class StopSignals {
 public:
   StopSignals();
@@ -19,6 +20,8 @@ public:
   StopSignals(const StopSignals&) = delete;
   StopSignals& operator=(const StopSignals&) = delete;
 
+  /// For the very start: libraries put handlers of their own in place before main (UCX on SIGHUP).
+  static void look_at_ignored();
   static int caught();              ///< 0: none
   static const char* name(int sig); ///< "SIGTERM"
 
