@@ -87,6 +87,7 @@ def words_of(options):
 
 def without_launcher(said):
     """What ranks said on stderr, without the notice that Open MPI 5 cannot be kept from adding when they fail."""
+    said = re.sub(r"^\[[^\]\n]*\] PMIX ERROR: .*\n", "", said.replace("\0", ""), flags=re.MULTILINE)  # PMIx 5 at an early end
     return re.sub(r"-{60,}\n(prterun|mpirun|MPI_ABORT) .*?\n-{60,}\n", "", said, flags=re.DOTALL)
 
 

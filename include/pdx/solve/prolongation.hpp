@@ -11,7 +11,8 @@ public:
   Prolongation& operator=(const Prolongation&) = delete;
   Mat matrix() const { return prolongation_.get(); }
   /// The transpose as a matrix of its own: PETSc tells the two apart by their sizes, which may happen to be equal.
-  Mat restriction() const { return restriction_.get(); }
+  /// Where they are, and PETSc then asks for the transpose, the matrix itself.
+  Mat restriction() const { return by_transpose_ ? prolongation_.get() : restriction_.get(); }
 
 private:
   static PetscErrorCode prolong(Mat shell, Vec coarse, Vec fine);
@@ -22,6 +23,7 @@ private:
   const field::System& system_;
   const field::CoarseSpace& coarse_;
   MatHandle prolongation_, restriction_;
+  bool by_transpose_ = false;
   std::vector<double> work_; // coarse local blocks
 };
 } // namespace pdx::solve
