@@ -3,7 +3,7 @@
 
 #include <petscdmplex.h>
 
-/// Where PETSc's versions differ, nowhere else: 3.18 is tested, 3.22 provided for. The form of a function is asked of
+/// Where PETSc's versions differ, nowhere else: 3.18 and 3.22 are tested. The form of a function is asked of
 /// its type, not of a version number, so that what lies between needs no word.
 namespace pdx {
 namespace detail {
