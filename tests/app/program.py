@@ -42,6 +42,17 @@ SMALL_PATCH = SMALL | {"-pd_patches": "0.25,0.25,0.75,0.75", "-pd_spacing": "0.1
 PLATE = SMALL | {"-case": "plate", "-mesh_cells": "20,20"}
 PATCH = PLATE | {"-pd_patches": "0.3,0.3,0.7,0.7", "-pd_spacing": "0.025"}
 
+# Held at the bottom and moved at the top; the body is to be added.
+PULLED = {
+    "-material_young": "1e9",
+    "-bc_names": "b,t",
+    "-bc_b_on": "bottom",
+    "-bc_b_displacement": "0,0",
+    "-bc_t_on": "top",
+    "-bc_t_displacement": "0,1e-3",
+    "-quiet": "",
+}
+
 
 @dataclasses.dataclass(frozen=True)
 class Run:
@@ -85,6 +96,11 @@ def words_of(options):
     return words
 
 
+def launcher(ranks):
+    """The words in front of a program that start it on so many ranks."""
+    return ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+
+
 def without_launcher(said):
     """What ranks said on stderr, without the notice that Open MPI 5 cannot be kept from adding when they fail."""
     said = re.sub(r"^\[[^\]\n]*\] PMIX ERROR: .*\n", "", said.replace("\0", ""), flags=re.MULTILINE)  # PMIx 5 at an early end
@@ -117,8 +133,7 @@ class ProgramTest(unittest.TestCase):
         """Runs the program behind the words `before` (valgrind) and returns a Run, however it ended."""
         self.runs += 1
         directory = directory or self.scratch / f"run_{self.runs}"
-        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-        command = [*launcher, *before, PROGRAM, *words_of(options), "-output_dir", str(directory)]
+        command = [*launcher(ranks), *before, PROGRAM, *words_of(options), "-output_dir", str(directory)]
         return Run(*finish(command, ROOT), directory)
 
     def solve(self, options, ranks=1, directory=None):

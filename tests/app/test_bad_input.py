@@ -435,8 +435,7 @@ def run(case, ranks):
     with tempfile.TemporaryDirectory() as directory:
         for name, text in FILES.items():
             (pathlib.Path(directory) / name).write_text(text, encoding="utf-8")
-        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-        command = launcher + [program.PROGRAM] + case.arguments(directory)
+        command = program.launcher(ranks) + [program.PROGRAM] + case.arguments(directory)
         status, out, err = program.finish(command, directory, TIMEOUT)
     return status, out, [line.replace(directory, "{dir}") for line in err.splitlines() if line.strip()]
 

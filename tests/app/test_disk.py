@@ -41,8 +41,7 @@ class Disk(program.ProgramTest):
 
     def timed(self, options, ranks, directory):
         """A run, and how long it went on after its first word on stderr [s]."""
-        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-        command = [*launcher, program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)]
+        command = [*program.launcher(ranks), program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)]
         pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
         with subprocess.Popen(command, **pipes, text=True, cwd=program.ROOT) as process:
             watch = threading.Timer(program.TIMEOUT, process.kill)
@@ -138,8 +137,7 @@ class Disk(program.ProgramTest):
         self.assert_machine_failed(program.Run(done.returncode, done.stdout, done.stderr, directory), "File too large", directory)
 
     def start(self, options, directory, ranks=1):
-        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-        command = [*launcher, program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)]
+        command = [*program.launcher(ranks), program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)]
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=program.ROOT)
         self.addCleanup(lambda: process.poll() is None and process.kill())
         for _ in range(2000):

@@ -6,17 +6,7 @@ Usage: test_meshes.py PDXSOLVE [unittest arguments].
 import gmsh_files
 import program
 
-# Held at the bottom, the top moved; the sides are free.
-PULLED = {
-    "-case": "mesh",
-    "-material_young": "1e9",
-    "-bc_names": "b,t",
-    "-bc_b_on": "bottom",
-    "-bc_b_displacement": "0,0",
-    "-bc_t_on": "top",
-    "-bc_t_displacement": "0,1e-3",
-    "-quiet": "",
-}
+PULLED = program.PULLED | {"-case": "mesh"}
 FORMS = [(version, binary) for version in ("2.2", "4.1") for binary in (False, True)]
 PATCH = {"-pd_patches": "0.1,0.3,0.4,0.7", "-pd_spacing": "0.0125"}
 # Four neighbours and the diagonals: all bonds of a row break, none is left that a sideways motion spares.

@@ -12,19 +12,13 @@ ENDINGS = ("_points", "_box", "_at")
 VECTORS = ((5e5, 4.5e6), (1e3, -1e3), (1 / 3, math.pi), (-2e8, 1e7))
 
 # Elements, a patch, a crack whose tip is a corner of the lattice, and bonds through it.
-TIP = program.SMALL | {
+TIP = program.PULLED | {
+    "-mesh_lower": "0,0",
+    "-mesh_upper": "1,1",
     "-mesh_cells": "20,20",
     "-pd_patches": "0.25,0.25,0.75,0.75",
     "-pd_spacing": "0.025",
     "-bc_names": "b,t,p",
-    "-bc_clamp_on": None,
-    "-bc_clamp_displacement": None,
-    "-bc_load_on": None,
-    "-bc_load_traction": None,
-    "-bc_b_on": "bottom",
-    "-bc_b_displacement": "0,0",
-    "-bc_t_on": "top",
-    "-bc_t_displacement": "0,1e-3",
     "-bc_p_at": "0.9,0.7",
     "-bc_p_force": "1e3,0",
     "-crack_names": "c",

@@ -184,8 +184,7 @@ def run(case, ranks):
             (here / name).write_bytes(text.replace("{dir}", directory).encode())
         os.mkfifo(here / "pipe")
         settings = [f"{key}={value}" for key, value in case.environment.items()]
-        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-        command = ["env", *settings, *launcher, program.PROGRAM, *case.words]
+        command = ["env", *settings, *program.launcher(ranks), program.PROGRAM, *case.words]
         status, out, err = program.finish(command, directory, mistakes.TIMEOUT)
     return status, out, [line for line in err.splitlines() if line.strip()]
 

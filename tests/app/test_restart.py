@@ -86,9 +86,8 @@ class Restart(program.ProgramTest):
         return self.solve(options | restart, ranks, directory)
 
     def start(self, options, directory, ranks=1):
-        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
         return subprocess.Popen(
-            [*launcher, program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)],
+            [*program.launcher(ranks), program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

@@ -23,8 +23,7 @@ SIGNALS = (signal.SIGTERM, signal.SIGUSR1, signal.SIGINT, signal.SIGHUP)
 
 class Signals(program.ProgramTest):
     def start(self, options, directory, ranks=1, before=()):
-        launcher = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-        command = [*before, *launcher, program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)]
+        command = [*before, *program.launcher(ranks), program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)]
         return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                 text=True, cwd=program.ROOT)
 

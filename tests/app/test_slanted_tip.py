@@ -7,21 +7,14 @@ import math
 
 import program
 
-PULLED = {
+PULLED = program.PULLED | {
     "-mesh_lower": "0,0",
     "-mesh_upper": "1,1",
     "-mesh_cells": "40,40",
     "-pd_patches": "0.3,0.3,0.7,0.8",
     "-pd_spacing": "0.0125",
-    "-material_young": "1e9",
-    "-bc_names": "b,t",
-    "-bc_b_on": "bottom",
-    "-bc_b_displacement": "0,0",
-    "-bc_t_on": "top",
-    "-bc_t_displacement": "0,1e-3",
     "-crack_names": "c",
     "-post_energy_release": "",
-    "-quiet": "",
 }
 
 

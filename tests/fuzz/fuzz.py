@@ -161,15 +161,11 @@ def judge(status, said, message=None):
     return "" if not any("\n" in error.strip() for error in errors) else f"more than a line: {errors[0]!r:.300}"
 
 
-def launcher(ranks):
-    return ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-
-
 def run_whole(executable, cases, ranks):
     """Each case by the program itself; yields (case, what is wrong, status)."""
     for case in cases:
         words = [*case.words, "-output_dir", str(case.directory / "out")]
-        with subprocess.Popen([*launcher(ranks), executable, *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        with subprocess.Popen([*program.launcher(ranks), executable, *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               cwd=case.directory, preexec_fn=limit_memory) as process:  # fmt: skip
             try:
                 err, status = process.communicate(timeout=PATIENCE)[1], process.returncode
@@ -188,7 +184,7 @@ class Harness:
         self.list = scratch / f"list_{len(list(scratch.glob('list_*')))}.json"
         commands = [[*case.words, "-output_dir", str(case.directory / "out")] for case in cases]
         self.list.write_text(json.dumps(commands), encoding="utf-8")
-        self.command = [*launcher(ranks), executable, str(self.list)]
+        self.command = [*program.launcher(ranks), executable, str(self.list)]
 
     def outcomes(self):
         """Yields (case, what is wrong, status)."""
