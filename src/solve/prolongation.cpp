@@ -1,6 +1,7 @@
 #include "pdx/solve/prolongation.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/base/petsc_version.hpp"
 
 #include <algorithm>
 
@@ -24,28 +25,6 @@ template <std::size_t Dim> void accumulate(const field::Interpolation& p, const 
       for (std::size_t a = 0; a < Dim; ++a)
         coarse[static_cast<std::size_t>(p.columns[k]) * Dim + a] += p.weights[k] * fine[row * Dim + a];
 }
-/// PETSc tells a restriction from a prolongation by sizes. Of a square matrix it asks for the product (3.18) or for the
-/// transpose's (3.22): tried on one number.
-bool restricts_by_transpose()
-{
-  static const bool transpose = [] {
-    double factor = 0.0;
-    MatHandle probe;
-    VecHandle x, y;
-    using Product = PetscErrorCode (*)(Mat, Vec, Vec);
-    const Product once = [](Mat, Vec, Vec to) { return VecSet(to, 1.0); },
-                  turned = [](Mat, Vec, Vec to) { return VecSet(to, 2.0); };
-    PDX_CALL(MatCreateShell(PETSC_COMM_SELF, 1, 1, 1, 1, nullptr, probe.out()));
-    PDX_CALL(MatShellSetOperation(probe.get(), MATOP_MULT, reinterpret_cast<void (*)()>(once)));
-    PDX_CALL(MatShellSetOperation(probe.get(), MATOP_MULT_TRANSPOSE, reinterpret_cast<void (*)()>(turned)));
-    PDX_CALL(MatCreateVecs(probe.get(), x.out(), y.out()));
-    PDX_CALL(VecSet(x.get(), 0.0));
-    PDX_CALL(MatRestrict(probe.get(), x.get(), y.get()));
-    PDX_CALL(VecMax(y.get(), nullptr, &factor));
-    return factor > 1.5;
-  }();
-  return transpose;
-}
 } // namespace
 
 Prolongation::Prolongation(const field::System& system, const field::CoarseSpace& coarse)
@@ -58,8 +37,8 @@ Prolongation::Prolongation(const field::System& system, const field::CoarseSpace
     PDX_CALL(MatShellSetOperation(shell.get(), MATOP_MULT_TRANSPOSE, reinterpret_cast<void (*)()>(multiply_transpose)));
   };
   make(prolongation_, fine, below, prolong, restrict_to);
-  by_transpose_ = coarse.halo().rows().total == system.rows.total && restricts_by_transpose();
-  if (!by_transpose_) make(restriction_, below, fine, restrict_to, prolong);
+  const bool square = coarse.halo().rows().total == system.rows.total;
+  if (!square || !restricts_by_transpose()) make(restriction_, below, fine, restrict_to, prolong);
 }
 
 void Prolongation::mask(double* fine) const

@@ -259,7 +259,7 @@ std::string StaticDriver::attempt(Vec u)
   try {
     PDX_CALL(SNESSolve(snes_.get(), nullptr, u));
   } catch (...) {
-    *snes_.address() = nullptr; // what PETSc has left half done must not even be destroyed (a fault in 3.22 on 2 ranks)
+    snes_.abandon(); // left half done; to destroy it is a fault in 3.22 on 2 ranks
     throw;
   }
   report_.solve_seconds.push_back(MPI_Wtime() - begin);

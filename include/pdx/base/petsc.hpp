@@ -52,7 +52,8 @@ public:
     reset();
     return &raw_;
   }
-  T* address() noexcept { return &raw_; } ///< for calls that change the object in place
+  T* address() noexcept { return &raw_; }     ///< for calls that change the object in place
+  void abandon() noexcept { raw_ = nullptr; } ///< for what is in no state to be destroyed
   explicit operator bool() const noexcept { return raw_ != nullptr; }
   void reset() noexcept
   {

@@ -45,6 +45,10 @@ struct PartitionOperation<PetscErrorCode (*)(PetscPartitioner, PetscInt, PetscIn
   }
 };
 
+/// MatRestrict tells a restriction from a prolongation by sizes: of a square matrix 3.18 asks for the product, 3.22 for
+/// the transpose's. Tried once, on one number.
+bool restricts_by_transpose();
+
 /// A box of four-node cells, with edges and vertices.
 inline PetscErrorCode create_quadrilaterals(MPI_Comm comm, const PetscInt cells[2], const PetscReal lower[2],
                                             const PetscReal upper[2], DM* plex)

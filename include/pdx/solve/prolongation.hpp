@@ -12,7 +12,7 @@ public:
   Mat matrix() const { return prolongation_.get(); }
   /// The transpose as a matrix of its own: PETSc tells the two apart by their sizes, which may happen to be equal.
   /// Where they are, and PETSc then asks for the transpose, the matrix itself.
-  Mat restriction() const { return by_transpose_ ? prolongation_.get() : restriction_.get(); }
+  Mat restriction() const { return restriction_ ? restriction_.get() : prolongation_.get(); }
 
 private:
   static PetscErrorCode prolong(Mat shell, Vec coarse, Vec fine);
@@ -22,8 +22,7 @@ private:
 
   const field::System& system_;
   const field::CoarseSpace& coarse_;
-  MatHandle prolongation_, restriction_;
-  bool by_transpose_ = false;
-  std::vector<double> work_; // coarse local blocks
+  MatHandle prolongation_, restriction_; // restriction_: where it is another matrix
+  std::vector<double> work_;             // coarse local blocks
 };
 } // namespace pdx::solve
