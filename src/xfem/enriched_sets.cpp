@@ -39,6 +39,15 @@ bool holds(const fem::Corners& corners, const Vector<2>& x, double margin)
   return true;
 }
 
+/// Adds the numbers of the ends of a crack, tips or junctions, that lie in the cell.
+template <class End>
+void add_ends_in(const fem::Corners& cell, double margin, int crack, std::span<const End> ends,
+                 std::vector<std::size_t>& found)
+{
+  for (std::size_t k = 0; k < ends.size(); ++k)
+    if (ends[k].crack == crack && holds(cell, ends[k].at, margin)) found.push_back(k);
+}
+
 Found find_everything(const mesh::Mesh& mesh, const crack::CrackSet& cracks)
 {
   Found found;
@@ -52,15 +61,10 @@ Found find_everything(const mesh::Mesh& mesh, const crack::CrackSet& cracks)
         for (std::size_t a = 0; a < 4; ++a)
           kept.distance[a] = cuts.distance[static_cast<std::size_t>(mesh.cell(cut.cell)[a])];
       } else if (cut.cell < mesh.owned_cells()) {
-        for (std::size_t j = 0; j < cracks.junctions().size(); ++j)
-          if (cracks.junctions()[j].crack == crack &&
-              holds(mesh.corners(cut.cell), cracks.junctions()[j].at, tolerance))
-            found.ends.push_back(j);
-        for (std::size_t t = 0; t < cracks.tips().size(); ++t) {
-          const crack::Tip& tip = cracks.tips()[t];
-          // A tip just before an edge lies in the next cell: within the tolerance, and its rounding.
-          if (tip.crack == crack && holds(mesh.corners(cut.cell), tip.at, 2.0 * tolerance)) found.tips.push_back(t);
-        }
+        const fem::Corners corners = mesh.corners(cut.cell);
+        // A tip just before an edge lies in the next cell: within the tolerance, and its rounding.
+        add_ends_in(corners, 2.0 * tolerance, crack, cracks.tips(), found.tips);
+        add_ends_in(corners, tolerance, crack, cracks.junctions(), found.ends);
       }
     }
   }
@@ -87,15 +91,16 @@ std::vector<Junction> owned_junctions(const mesh::Mesh& mesh, std::span<const Ce
 }
 
 /// Refuses the first cell that two cracks cut, alike on every rank. Collective.
-void refuse_junctions(const mesh::Mesh& mesh, std::span<const CellCut> cuts)
+void refuse_junctions(const mesh::Mesh& mesh, std::span<const CellCut> cuts, const geom::Frame& frame)
 {
   const std::vector<Junction> all = gather_all(mesh.comm(), owned_junctions(mesh, cuts));
   if (all.empty()) return;
   const Junction first = *std::ranges::min_element(
       all, {}, [](const Junction& j) { return std::tuple(j.natural, j.cracks[0], j.cracks[1]); });
-  throw UserError(fmt::format("cracks {} and {} cut the same element, around ({:g}, {:g}) from the body's corner; an "
-                              "element opens along one crack: refine the mesh, move them apart, or put a patch there",
-                              first.cracks[0] + 1, first.cracks[1] + 1, first.at[0], first.at[1]));
+  throw UserError(
+      fmt::format("cracks {} and {} cut the same element, around {}; an element opens along one crack: refine the "
+                  "mesh, move them apart, or put a patch there",
+                  first.cracks[0] + 1, first.cracks[1] + 1, frame.text({first.at[0], first.at[1]})));
 }
 
 /// Those of one crack, of supports sorted by crack.
@@ -136,15 +141,16 @@ Enrichment enrich_together(const mesh::Mesh& mesh, const MeshView& view, std::sp
 }
 
 /// Refuses the first crack that ends on another inside an element, where it closes at an edge before. Collective.
-void refuse_ends(const mesh::Mesh& mesh, const crack::CrackSet& cracks, const std::vector<std::size_t>& mine)
+void refuse_ends(const mesh::Mesh& mesh, const crack::CrackSet& cracks, const std::vector<std::size_t>& mine,
+                 const geom::Frame& frame)
 {
   const std::vector<std::size_t> all = gather_all(mesh.comm(), mine);
   if (all.empty()) return;
   const crack::Junction& first = cracks.junctions()[*std::ranges::min_element(all)];
   throw UserError(
-      fmt::format("crack {} ends on crack {} inside an element, ({:g}, {:g}) from the body's corner; an element "
-                  "opens along one crack: give one line through both, or put a patch there",
-                  first.crack + 1, first.other + 1, first.at[0], first.at[1]));
+      fmt::format("crack {} ends on crack {} inside an element, {}; an element opens along one crack: give one line "
+                  "through both, or put a patch there",
+                  first.crack + 1, first.other + 1, frame.text(first.at)));
 }
 
 std::vector<Vector<2>> closed_tips(const mesh::Mesh& mesh, const crack::CrackSet& cracks,
@@ -159,12 +165,13 @@ std::vector<Vector<2>> closed_tips(const mesh::Mesh& mesh, const crack::CrackSet
 }
 } // namespace
 
-EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, const EnrichmentRule& rule)
+EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, const EnrichmentRule& rule,
+                           const geom::Frame& frame)
     : mesh_(mesh), cracks_(cracks)
 {
   const Found found = find_everything(mesh, cracks);
-  refuse_junctions(mesh, found.cuts);
-  refuse_ends(mesh, cracks, found.ends);
+  refuse_junctions(mesh, found.cuts, frame);
+  refuse_ends(mesh, cracks, found.ends, frame);
   std::vector<Index> active;
   for (Index c = 0; c < mesh.cells(); ++c)
     if (mesh.use(c) != mesh::Use::covered) active.push_back(c);

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/crack/crack_set.hpp"
+#include "pdx/geom/frame.hpp"
 #include "pdx/mesh/mesh.hpp"
 #include "pdx/xfem/enrichment.hpp"
 
@@ -36,7 +37,8 @@ public:
   /// that runs on into one is open where it leaves the elements). A crack within 1e-9 of the mesh's smallest edge of a
   /// node passes on the node's right. Throws UserError naming the first cell that two cracks cut. `cracks` must outlive
   /// this. Collective.
-  EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, const EnrichmentRule& rule);
+  EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, const EnrichmentRule& rule,
+               const geom::Frame& frame = {});
 
   /// Sets of owned vertices, in order of rows: ascending local vertex, then crack.
   Index owned() const { return static_cast<Index>(vertices_.size()); }
