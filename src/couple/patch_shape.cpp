@@ -1,4 +1,4 @@
-#include "pdx/couple/surroundings.hpp"
+#include "pdx/couple/patch_shape.hpp"
 
 #include <algorithm>
 

@@ -1,29 +1,11 @@
 #pragma once
-#include "pdx/geom/box.hpp"
-#include "pdx/geom/site_names.hpp"
-#include "pdx/geom/site_set.hpp"
+#include "pdx/couple/patch_shape.hpp"
 #include "pdx/mesh/mesh.hpp"
 #include "pdx/xfem/enriched_sets.hpp"
 
 #include <optional>
 
 namespace pdx::couple {
-/// Where one patch lies: boxes that hang together, made of whole cells and of whole lattice cells.
-struct PatchShape {
-  geom::Box<2> box;                ///< around it [m]
-  geom::Lattice<2> lattice;        ///< of that box
-  geom::SiteSet<2> active;         ///< the patch's sites
-  std::vector<geom::Box<2>> boxes; ///< what it is made of [m]
-  geom::SiteNames names;
-
-  /// A patch that is one box.
-  static PatchShape of_box(const geom::Box<2>& box, const geom::Lattice<2>& lattice);
-  /// Is x in one of its boxes, or no further away than the margin [m]?
-  bool holds(const Vector<2>& x, double margin = 0.0) const;
-  /// Where the lattice line before the sites k of an axis runs [m].
-  double line(std::size_t axis, Index k) const;
-};
-
 /// A point carried by rows: displacement = sum of weight times row. Nodes of an element or of the edges at the border
 /// of a patch, and the enriched sets of those on the other side of a crack [XPD1 Eq. 14].
 struct Host {
