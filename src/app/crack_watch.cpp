@@ -21,10 +21,12 @@ std::vector<post::TreeGround> grounds_of(const Standing& scene)
   std::vector<post::TreeGround> grounds;
   if (scene.solid) {
     const pd::LatticePart<3>& part = *scene.solid->bonds->parts()[0];
-    return {{plane_of(part.lattice()), part.stencil().horizon, {}}};
+    return {{plane_of(part.lattice()), part.stencil().horizon}};
   }
-  for (std::size_t p = 0; p < scene.plan->shapes.size(); ++p)
-    grounds.push_back({scene.plan->shapes[p].lattice, scene.plan->stencils[p].horizon, scene.plan->shapes[p].active});
+  for (std::size_t p = 0; p < scene.plan->shapes.size(); ++p) {
+    const couple::PatchShape& shape = scene.plan->shapes[p];
+    grounds.push_back({{shape.lattice, shape.active}, scene.plan->stencils[p].horizon});
+  }
   return grounds;
 }
 

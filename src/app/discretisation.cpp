@@ -19,7 +19,7 @@ void cut_cells(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& p
   judge_no_fail(options, d.body);
   if (options.cracks.lines.empty()) return;
   d.cracks = cracks_in(options, d.body);
-  d.sets = std::make_unique<xfem::EnrichedSets>(mesh, d.cracks, options.cracks.rule);
+  d.sets = std::make_unique<xfem::EnrichedSets>(mesh, d.cracks, options.cracks.rule, options.frame);
 }
 
 /// Nodes that touch an element have a row; those inside a patch have none.
@@ -88,9 +88,9 @@ std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const SceneOptions& 
       if (particle.patch == static_cast<int>(p)) sites.push_back(particle.site);
     const Index first = row;
     row += static_cast<Index>(sites.size());
-    parts.push_back(std::make_unique<pd::LatticePart<2>>(d.system.rows, plan.shapes[p].lattice, plan.stencils[p],
-                                                         std::move(sites), first, correction(options, plan, d, p),
-                                                         plan.shapes[p].active));
+    parts.push_back(std::make_unique<pd::LatticePart<2>>(
+        d.system.rows, geom::ActiveLattice<2>{plan.shapes[p].lattice, plan.shapes[p].active}, plan.stencils[p],
+        std::move(sites), first, correction(options, plan, d, p)));
   }
   return parts;
 }

@@ -287,8 +287,9 @@ std::vector<StraightSide> straight_sides(const SiteSet<2>& set)
   return sides;
 }
 
-bool covers(const Lattice<2>& lattice, const SiteSet<2>& set, const Vector<2>& x, double margin)
+bool covers(const ActiveLattice<2>& where, const Vector<2>& x, double margin)
 {
+  const auto& [lattice, set] = where;
   if (set.is_box()) {
     const Vector<2> lower(set.lower()[0], set.lower()[1]), upper(set.upper()[0], set.upper()[1]);
     return Box<2>{lattice.origin + lattice.dx * lower, lattice.origin + lattice.dx * upper}.contains(x, margin);

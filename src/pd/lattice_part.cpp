@@ -17,13 +17,11 @@ template <int Dim> Site<Dim> shifted(Site<Dim> site, const Site<Dim>& step, Inde
 } // namespace
 
 template <int Dim>
-LatticePart<Dim>::LatticePart(const field::Rows& rows, geom::Lattice<Dim> lattice, Stencil<Dim> stencil,
-                              std::vector<Index> sites, Index first_row, SurfaceCorrection<Dim> correction,
-                              geom::SiteSet<Dim> active)
-    : rows_(rows), lattice_(std::move(lattice)), stencil_(std::move(stencil)), sites_(std::move(sites)),
-      first_row_(first_row), active_(active.size() ? std::move(active) : geom::SiteSet<Dim>(lattice_)),
-      deep_(active_.eroded(stencil_.reach)),
-      directory_(rows.comm, static_cast<Index>(active_.size()), sites_, rows.first + first_row),
+LatticePart<Dim>::LatticePart(const field::Rows& rows, geom::ActiveLattice<Dim> where, Stencil<Dim> stencil,
+                              std::vector<Index> sites, Index first_row, SurfaceCorrection<Dim> correction)
+    : rows_(rows), where_(std::move(where)), stencil_(std::move(stencil)), sites_(std::move(sites)),
+      first_row_(first_row), deep_(where_.active.eroded(stencil_.reach)),
+      directory_(rows.comm, static_cast<Index>(where_.active.size()), sites_, rows.first + first_row),
       correction_(std::move(correction))
 {
   require_bond_words(stencil_);
@@ -41,7 +39,7 @@ template <int Dim> void LatticePart<Dim>::place_window()
   lower_.fill(std::numeric_limits<Index>::max());
   upper.fill(std::numeric_limits<Index>::lowest());
   for (const Index number : sites_) {
-    const Site<Dim> site = active_.site(number);
+    const Site<Dim> site = where_.active.site(number);
     for (std::size_t d = 0; d < Dim; ++d) {
       lower_[d] = std::min(lower_[d], site[d]);
       upper[d] = std::max(upper[d], site[d]);
@@ -66,7 +64,7 @@ template <int Dim> void LatticePart<Dim>::place_window()
   }
   local_rows_.assign(static_cast<std::size_t>(window_size_), -1);
   for (std::size_t k = 0; k < sites_.size(); ++k)
-    local_rows_[static_cast<std::size_t>(at(active_.site(sites_[k])))] = first_row_ + static_cast<Index>(k);
+    local_rows_[static_cast<std::size_t>(at(where_.active.site(sites_[k])))] = first_row_ + static_cast<Index>(k);
 }
 
 template <int Dim> bool LatticePart<Dim>::in_window(const Site<Dim>& site) const
@@ -91,7 +89,7 @@ template <int Dim> void LatticePart<Dim>::write_bond_words()
   const auto write = [&](const Site<Dim>& site, std::size_t position) {
     const bool inner = deep_.has(site);
     for (std::size_t p = 0; inner && p < planes(); ++p) words_[p][position] = all[p];
-    if (inner || !active_.has(site)) return;
+    if (inner || !where_.active.has(site)) return;
     for (std::size_t h = 0; h < arms_.size(); ++h)
       if (begins(site, h)) words_[h / 64][position] |= std::uint64_t{1} << (h % 64);
   };
@@ -108,13 +106,13 @@ template <int Dim> void LatticePart<Dim>::write_bond_words()
 /// Sites whose bonds have the same factors are of one class; class 0 has the factor 1 throughout.
 template <int Dim> void LatticePart<Dim>::write_classes()
 {
-  const BondFactors<Dim> factors = correction_({lattice_, lower_, extent_, &active_});
+  const BondFactors<Dim> factors = correction_({where_.lattice, lower_, extent_, &where_.active});
   std::map<std::vector<double>, std::uint16_t> known{{std::vector<double>(arms_.size(), 1.0), 0}};
   classes_.assign(static_cast<std::size_t>(window_size_), 0);
   std::vector<double> here(arms_.size());
   Site<Dim> site = lower_;
   for (std::ptrdiff_t k = 0; k + kWindowPadding < window_size_; ++k) {
-    if (active_.has(site) && factors.any(site)) {
+    if (where_.active.has(site) && factors.any(site)) {
       for (std::size_t h = 0; h < arms_.size(); ++h) here[h] = has_bond(k, h) ? factors.of(site, h) : 1.0;
       const auto number = static_cast<std::uint16_t>(known.size());
       if (known.size() > std::numeric_limits<std::uint16_t>::max())
@@ -136,7 +134,7 @@ template <int Dim> void LatticePart<Dim>::collect_halo()
   std::vector<std::uint8_t> seen(static_cast<std::size_t>(window_size_), 0);
   std::vector<Index> wanted;
   for (std::size_t k = 0; k < sites_.size(); ++k) {
-    const Site<Dim> site = active_.site(sites_[k]);
+    const Site<Dim> site = where_.active.site(sites_[k]);
     const std::ptrdiff_t i = at(site);
     for (std::size_t h = 0; h < arms_.size(); ++h)
       for (const Index sign : {1, -1}) {
@@ -144,7 +142,7 @@ template <int Dim> void LatticePart<Dim>::collect_halo()
         if (local_rows_[static_cast<std::size_t>(j)] >= 0 || seen[static_cast<std::size_t>(j)]) continue;
         seen[static_cast<std::size_t>(j)] = 1;
         const Site<Dim> other = shifted<Dim>(site, stencil_.half[h].step, sign);
-        if (!active_.has(other)) continue;
+        if (!where_.active.has(other)) continue;
         wanted.push_back(number(other));
         halo_at_.push_back(j);
       }
@@ -169,7 +167,7 @@ template <int Dim> void LatticePart<Dim>::number_halo(const field::RowHalo& halo
 template <int Dim>
 Vector<Dim> LatticePart<Dim>::relative(const Window& window, Index k, std::size_t arm, int sign) const
 {
-  const std::ptrdiff_t i = at(active_.site(sites_[static_cast<std::size_t>(k)]));
+  const std::ptrdiff_t i = at(where_.active.site(sites_[static_cast<std::size_t>(k)]));
   const std::ptrdiff_t j = i + sign * arms_[arm].jump;
   Vector<Dim> eta;
   for (std::size_t d = 0; d < Dim; ++d)

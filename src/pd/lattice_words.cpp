@@ -33,7 +33,7 @@ template <int Dim> void LatticePart<Dim>::find_traits()
 {
   traits_.assign(static_cast<std::size_t>(window_size_), 0);
   for (std::size_t k = 0; k < sites_.size(); ++k) {
-    const std::ptrdiff_t i = at(active_.site(sites_[k]));
+    const std::ptrdiff_t i = at(where_.active.site(sites_[k]));
     const Index row = first_row_ + static_cast<Index>(k);
     std::uint8_t traits = kOwned | kPlain | kComplete;
     for (std::size_t h = 0; h < arms_.size(); ++h)
@@ -42,7 +42,8 @@ template <int Dim> void LatticePart<Dim>::find_traits()
         const bool there = has_bond(sign > 0 ? i : j, h);
         if (!there) traits &= static_cast<std::uint8_t>(~kComplete);
         // The linear kernel takes bonds that never were for bonds to u = 0: not where a particle is.
-        if (!there && !active_.is_box() && active_.has(site_at(j))) traits &= static_cast<std::uint8_t>(~kPlain);
+        if (!there && !where_.active.is_box() && where_.active.has(site_at(j)))
+          traits &= static_cast<std::uint8_t>(~kPlain);
         if (there && surface_factor(sign > 0 ? i : j, h) != 1.0) traits &= static_cast<std::uint8_t>(~kPlain);
       }
     traits_[static_cast<std::size_t>(i)] = traits;
@@ -96,7 +97,7 @@ template <int Dim> void LatticePart<Dim>::protect(std::span<const geom::Box<2>> 
   no_fail_.assign(static_cast<std::size_t>(window_size_), 0);
   Site<Dim> site = lower_;
   for (std::ptrdiff_t i = 0; i + kWindowPadding < window_size_; ++i) {
-    const Vector<2> x = lattice_.point(site).template head<2>();
+    const Vector<2> x = where_.lattice.point(site).template head<2>();
     no_fail_[static_cast<std::size_t>(i)] =
         std::any_of(boxes.begin(), boxes.end(), [&](const geom::Box<2>& box) { return box.contains(x); });
     for (std::size_t d = 0; d < Dim; ++d) {
@@ -111,7 +112,7 @@ template <int Dim> std::int64_t LatticePart<Dim>::cut(const crack::CrackSet& cra
   remember_volume();
   other_words_ = words_;
   const std::int64_t count =
-      cut_bonds<Dim>(cracks, WindowSites<Dim>{lattice_, lower_, extent_}, stencil_, segments_, writable(words_));
+      cut_bonds<Dim>(cracks, WindowSites<Dim>{where_.lattice, lower_, extent_}, stencil_, segments_, writable(words_));
   note_losses();
   start_volume_ = bonded_volume_now();
   return count;
@@ -215,7 +216,7 @@ template <int Dim> void LatticePart<Dim>::restore()
 
 template <int Dim> std::array<std::uint64_t, 2> LatticePart<Dim>::words_of(Index k) const
 {
-  const auto i = static_cast<std::size_t>(at(active_.site(sites_[static_cast<std::size_t>(k)])));
+  const auto i = static_cast<std::size_t>(at(where_.active.site(sites_[static_cast<std::size_t>(k)])));
   return {words_[0][i], planes() > 1 ? words_[1][i] : 0};
 }
 
@@ -243,7 +244,7 @@ template <int Dim> void LatticePart<Dim>::set_words(std::span<const std::uint64_
   };
   const std::size_t count = sites_.size() + halo_at_.size();
   for (std::size_t k = 0; k < count; ++k) {
-    const std::ptrdiff_t i = k < sites_.size() ? at(active_.site(sites_[k])) : halo_at_[k - sites_.size()];
+    const std::ptrdiff_t i = k < sites_.size() ? at(where_.active.site(sites_[k])) : halo_at_[k - sites_.size()];
     for (std::size_t h = 0; h < arms_.size(); ++h)
       if (!(words[2 * k + h / 64] >> (h % 64) & 1u) && (owned(i) || owned(i + arms_[h].jump)))
         words_[h / 64][static_cast<std::size_t>(i)] &= ~(std::uint64_t{1} << (h % 64));

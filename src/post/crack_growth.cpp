@@ -31,10 +31,8 @@ std::optional<double> crossing(const crack::Tip& tip, const Vector<2>& a, const 
 /// The patch that holds the point.
 std::optional<std::size_t> patch_of(std::span<const std::unique_ptr<pd::LatticePart<2>>> parts, const Vector<2>& x)
 {
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const geom::Lattice<2>& lattice = parts[p]->lattice();
-    if (geom::covers(lattice, parts[p]->active(), x, kRound * lattice.dx)) return p;
-  }
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (geom::covers(parts[p]->where(), x, kRound * parts[p]->lattice().dx)) return p;
   return std::nullopt;
 }
 

@@ -38,11 +38,9 @@ private:
 CrackTree::CrackTree(std::vector<CrackStart> starts, std::vector<TreeGround> grounds)
     : starts_(std::move(starts)), grounds_(std::move(grounds))
 {
-  for (TreeGround& ground : grounds_)
-    if (ground.active.size() == 0) ground.active = geom::SiteSet<2>(ground.lattice);
   for (const CrackStart& start : starts_) {
     const auto holds = [&](const TreeGround& ground) {
-      return geom::covers(ground.lattice, ground.active, start.at, kRound * ground.lattice.dx);
+      return geom::covers(ground.where, start.at, kRound * ground.where.lattice.dx);
     };
     const auto found = std::ranges::find_if(grounds_, holds);
     start_ground_.push_back(found == grounds_.end() ? -1 : static_cast<int>(found - grounds_.begin()));
@@ -57,7 +55,7 @@ std::uint64_t CrackTree::key(Index patch, Index site) const
 double CrackTree::equal(const Point& point) const
 {
   const int ground = point.start < 0 ? -1 : start_ground_[static_cast<std::size_t>(point.start)];
-  return ground < 0 ? 0.0 : kRound * grounds_[static_cast<std::size_t>(ground)].lattice.dx;
+  return ground < 0 ? 0.0 : kRound * grounds_[static_cast<std::size_t>(ground)].where.lattice.dx;
 }
 
 double CrackTree::span(std::size_t start) const
@@ -69,8 +67,8 @@ double CrackTree::span(std::size_t start) const
 /// Points within a horizon of a start hang on it; what is behind it has a negative distance.
 void CrackTree::seed(Point& point, const TreeGround& ground)
 {
-  const double equal = kRound * ground.lattice.dx;
-  double nearest = ground.horizon + 2.0 * ground.lattice.dx + 2.0 * equal;
+  const double equal = kRound * ground.where.lattice.dx;
+  double nearest = ground.horizon + 2.0 * ground.where.lattice.dx + 2.0 * equal;
   for (std::size_t s = 0; s < starts_.size(); ++s) {
     const Vector<2> from = point.at - starts_[s].at;
     if (start_ground_[s] < 0 || from.norm() > nearest - equal) continue; // equally near: the first
@@ -85,16 +83,16 @@ void CrackTree::seed(Point& point, const TreeGround& ground)
 int CrackTree::insert(const Arrival& arrival)
 {
   const TreeGround& ground = grounds_[static_cast<std::size_t>(arrival.patch)];
-  const Site<2> site = ground.active.site(arrival.site);
+  const Site<2> site = ground.where.active.site(arrival.site);
   const int number = static_cast<int>(points_.size());
   Point point;
-  point.at = ground.lattice.point(site);
+  point.at = ground.where.lattice.point(site);
   point.time = arrival.time;
   for (Index i = -kReach; i <= kReach; ++i)
     for (Index j = -kReach; j <= kReach; ++j) {
       const Site<2> other{site[0] + i, site[1] + j};
-      if (i * i + j * j > kReach * kReach + 1 || (!i && !j) || !ground.active.has(other)) continue;
-      const auto found = point_of_.find(key(arrival.patch, static_cast<Index>(ground.active.place(other))));
+      if (i * i + j * j > kReach * kReach + 1 || (!i && !j) || !ground.where.active.has(other)) continue;
+      const auto found = point_of_.find(key(arrival.patch, static_cast<Index>(ground.where.active.place(other))));
       if (found == point_of_.end()) continue;
       point.near.push_back(found->second);
       points_[static_cast<std::size_t>(found->second)].near.push_back(number);

@@ -63,6 +63,14 @@ private:
   std::vector<std::size_t> first_; // run of each row, and the end
 };
 
+/// A lattice and which of its sites are active: all of them, where none are named. A value type.
+template <int Dim> struct ActiveLattice {
+  ActiveLattice(const Lattice<Dim>& whole) : ActiveLattice(whole, SiteSet<Dim>(whole)) {}
+  ActiveLattice(const Lattice<Dim>& of, SiteSet<Dim> sites) : lattice(of), active(std::move(sites)) {}
+  Lattice<Dim> lattice;
+  SiteSet<Dim> active;
+};
+
 /// A straight piece of the border of a set, along the lattice line `at` across `axis` from line `from` to line `to`:
 /// line k runs before the sites k. `upper`: the set lies below it.
 struct StraightSide {
@@ -74,5 +82,5 @@ struct StraightSide {
 std::vector<StraightSide> straight_sides(const SiteSet<2>& set);
 
 /// True if x is no further than `margin` [m] from the cell of an active site.
-bool covers(const Lattice<2>& lattice, const SiteSet<2>& set, const Vector<2>& x, double margin);
+bool covers(const ActiveLattice<2>& where, const Vector<2>& x, double margin);
 } // namespace pdx::geom

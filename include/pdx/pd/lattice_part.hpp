@@ -28,21 +28,25 @@ template <int Dim> struct LostBond {
 /// are counted by the rank of their lower end.
 template <int Dim> class LatticePart {
 public:
+  /// @param where   sites of the whole patch, by whose place they are numbered
   /// @param sites   owned site numbers, ascending; their rows follow each other from local row `first_row`
-  /// @param correction  of bonds near free surfaces; empty: none
-  /// @param active  sites of the patch, by whose place they are numbered; none: the whole lattice. Collective.
-  LatticePart(const field::Rows& rows, geom::Lattice<Dim> lattice, Stencil<Dim> stencil, std::vector<Index> sites,
-              Index first_row, SurfaceCorrection<Dim> correction, geom::SiteSet<Dim> active = {});
+  /// @param correction  of bonds near free surfaces; empty: none. Collective.
+  LatticePart(const field::Rows& rows, geom::ActiveLattice<Dim> where, Stencil<Dim> stencil, std::vector<Index> sites,
+              Index first_row, SurfaceCorrection<Dim> correction);
 
-  const geom::Lattice<Dim>& lattice() const { return lattice_; }
-  const geom::SiteSet<Dim>& active() const { return active_; } ///< sites of the whole patch
-  Site<Dim> site(Index number) const { return active_.site(number); }
-  Index number(const Site<Dim>& site) const { return static_cast<Index>(active_.place(site)); } ///< of an active site
+  const geom::ActiveLattice<Dim>& where() const { return where_; }
+  const geom::Lattice<Dim>& lattice() const { return where_.lattice; }
+  const geom::SiteSet<Dim>& active() const { return where_.active; } ///< sites of the whole patch
+  Site<Dim> site(Index number) const { return where_.active.site(number); }
+  Index number(const Site<Dim>& site) const
+  {
+    return static_cast<Index>(where_.active.place(site));
+  } ///< of an active site
   /// Has the patch a bond along half arm `arm` from the site at first? Both ends are particles, and what is between
   /// them is of the patch too.
   bool begins(const Site<Dim>& site, std::size_t arm) const
   {
-    return geom::runs_inside<Dim>(active_, site, lines_[arm]);
+    return geom::runs_inside<Dim>(where_.active, site, lines_[arm]);
   }
   /// Are all sites up to a bond's reach away particles?
   bool deep(const Site<Dim>& site) const { return deep_.has(site); }
@@ -156,11 +160,11 @@ private:
   void remember_volume();
 
   field::Rows rows_;
-  geom::Lattice<Dim> lattice_;
+  geom::ActiveLattice<Dim> where_;
   Stencil<Dim> stencil_;
   std::vector<Index> sites_;
   Index first_row_;
-  geom::SiteSet<Dim> active_, deep_;
+  geom::SiteSet<Dim> deep_;                              ///< sites from which no bond leaves the patch
   std::vector<std::vector<geom::LinePiece<Dim>>> lines_; // per half arm
   SiteDirectory directory_;
 
@@ -210,7 +214,7 @@ template <int Dim> double LatticePart<Dim>::surface_factor(std::ptrdiff_t lower,
 
 template <int Dim> template <class Visit> void LatticePart<Dim>::for_each_bond(Index k, Visit&& visit) const
 {
-  const Site<Dim> site = active_.site(sites_[static_cast<std::size_t>(k)]);
+  const Site<Dim> site = where_.active.site(sites_[static_cast<std::size_t>(k)]);
   const std::ptrdiff_t i = at(site);
   for (std::size_t h = 0; h < arms_.size(); ++h)
     for (const int sign : {+1, -1}) {

@@ -23,9 +23,8 @@ struct CrackStart {
 
 /// A patch as the tree sees it.
 struct TreeGround {
-  geom::Lattice<2> lattice;
-  double horizon = 0.0;         ///< [m]
-  geom::SiteSet<2> active = {}; ///< its sites; none: the whole lattice
+  geom::ActiveLattice<2> where;
+  double horizon = 0.0; ///< [m]
 };
 
 /// When damage came by, and where.

@@ -124,14 +124,14 @@ TEST(SiteSet, StraightSidesAreTheWholeBorder)
 TEST(SiteSet, CoversPointsOfItsCells)
 {
   const geom::Lattice<2> lattice{{1.0, 2.0}, 0.25, {10, 9}};
-  const Set set{std::span(kShapes[1].boxes)};
+  const geom::ActiveLattice<2> where(lattice, Set{std::span(kShapes[1].boxes)});
   const auto at = [&](double x, double y) { return Vector<2>(1.0 + 0.25 * x, 2.0 + 0.25 * y); };
-  EXPECT_TRUE(geom::covers(lattice, set, at(0.0, 0.0), 0.0));
-  EXPECT_TRUE(geom::covers(lattice, set, at(3.0, 4.0), 0.0)); // the re-entrant corner
-  EXPECT_TRUE(geom::covers(lattice, set, at(3.0, 8.0), 0.0)); // on a side
-  EXPECT_FALSE(geom::covers(lattice, set, at(3.1, 8.0), 0.02));
-  EXPECT_TRUE(geom::covers(lattice, set, at(3.1, 8.0), 0.03));
-  EXPECT_FALSE(geom::covers(lattice, set, at(6.0, 6.0), 0.0));
+  EXPECT_TRUE(geom::covers(where, at(0.0, 0.0), 0.0));
+  EXPECT_TRUE(geom::covers(where, at(3.0, 4.0), 0.0)); // the re-entrant corner
+  EXPECT_TRUE(geom::covers(where, at(3.0, 8.0), 0.0)); // on a side
+  EXPECT_FALSE(geom::covers(where, at(3.1, 8.0), 0.02));
+  EXPECT_TRUE(geom::covers(where, at(3.1, 8.0), 0.03));
+  EXPECT_FALSE(geom::covers(where, at(6.0, 6.0), 0.0));
 }
 
 TEST(LinePieces, FollowEachOtherFromMiddleToMiddle)
