@@ -7,7 +7,6 @@
 
 namespace pdx::app {
 namespace {
-constexpr double kFits = 1e-6;           // how far a side may be from a whole number of spacings, in spacings
 constexpr std::int64_t kMargin = 64;     // sites around the body that bonds may reach [-]
 constexpr double kMostNames = 1LL << 50; // bond names have 64 bits, arms and parts take 13
 constexpr int kFinest = 10;              // shares of a spacing that are tried

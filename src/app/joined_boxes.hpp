@@ -2,6 +2,8 @@
 #include "pdx/app/patches.hpp"
 
 namespace pdx::app {
+constexpr double kFits = 1e-6; ///< how far a side may be from a whole number of spacings [spacings]
+
 /// Which boxes of -pd_patches hang together, by their numbers: those that overlap, or share an edge or a corner.
 /// Patches and their boxes come in the order in which they were given. Throws UserError where such boxes have no
 /// lattice in common, saying what would fit.

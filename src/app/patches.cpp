@@ -11,7 +11,6 @@
 
 namespace pdx::app {
 namespace {
-constexpr double kFits = 1e-6;       // how far a side may be from a whole number of spacings, in spacings
 constexpr double kCoarseCells = 4.0; // background cells of peridynamics-only scenes, in spacings
 
 /// The spacing nearest to dx that divides all sides, 0 if there is none within a factor of two.

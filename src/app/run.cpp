@@ -143,10 +143,10 @@ void run_plane(RunFiles& files)
   const SceneOptions& options = files.options;
   mesh::MeshOptions mesh_options = options.mesh;
   const PatchPlan plan = plan_patches(options, mesh_options);
-  if (const std::string other = correction_warning(options, plan); !other.empty()) files.warn(other);
+  files.warn(correction_warning(options, plan));
   if (options.pd.everywhere) {
     require_rows(options, plan.shapes[0].lattice.count);
-    if (const std::string thin = thin_warning(options, plan); !thin.empty()) files.warn(thin);
+    files.warn(thin_warning(options, plan));
   }
   mesh::Mesh mesh = mesh::build(files.comm(), mesh_options, cell_cost(plan));
   stop_if_told(files.comm());
@@ -162,7 +162,7 @@ void run_plane(RunFiles& files)
     cover_cells(mesh, plan, mesh_options, options.frame);
     swarm = std::make_unique<pd::Particles>(files.comm());
     particles = make_particles(mesh, plan, *swarm);
-    if (const std::string near = corner_warning(plan, mesh.bounds(), options.frame); !near.empty()) files.warn(near);
+    files.warn(corner_warning(plan, mesh.bounds(), options.frame));
     stop_if_told(files.comm());
   }
   if (options.time.dynamic())

@@ -190,6 +190,7 @@ void RunFiles::stop(const std::string& why)
 
 void RunFiles::warn(const std::string& what) const
 {
+  if (what.empty()) return;
   int rank = 0;
   MPI_Comm_rank(comm_, &rank);
   if (rank == 0) fmt::print(stderr, "warning: {}\n", as_one_line(what));

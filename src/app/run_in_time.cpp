@@ -98,7 +98,7 @@ void run_solid(RunFiles& files)
   mesh::MeshOptions mesh_options = files.options.mesh;
   const SolidPlan plan = plan_solid(files.options, mesh_options);
   require_rows(files.options, plan.lattice.count);
-  if (const std::string thin = thin_warning(files.options, plan.lattice.count); !thin.empty()) files.warn(thin);
+  files.warn(thin_warning(files.options, plan.lattice.count));
   mesh::Mesh mesh = mesh::build(files.comm(), mesh_options, cell_cost(plan));
   stop_if_told(files.comm());
   pd::Particles swarm(files.comm());
