@@ -112,12 +112,26 @@ void Checkpoints::read_head()
   std::error_code none;
   int here = std::filesystem::equivalent(directory.empty() ? "." : directory, files_.options.output.directory, none);
   MPI_Bcast(&here, 1, MPI_INT, 0, files_.comm());
+  from_layout_ = Layout::read(*from_);
   files_.continued = {here != 0, static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
 }
 
-void Checkpoints::refuse_other_scene() const
+SceneTables& Checkpoints::tables()
 {
-  const std::vector<std::string> there = split(from_->text("/scene")), here = split(scene_->scene());
+  if (!tables_) tables_ = std::make_unique<SceneTables>(scene_, files_.options);
+  return *tables_;
+}
+
+void Checkpoints::take_scene(const Standing& scene, const Layout& layout)
+{
+  scene_ = scene;
+  layout_ = layout;
+  tables_.reset();
+}
+
+void Checkpoints::refuse_other_scene()
+{
+  const std::vector<std::string> there = split(from_->text("/scene")), here = split(tables().scene());
   for (std::size_t k = 0; k < std::max(there.size(), here.size()); ++k)
     if (k >= there.size() || k >= here.size() || there[k] != here[k])
       throw UserError(fmt::format("-restart is {}: it is of another scene, which has \"{}\"; this one has \"{}\"",
@@ -125,10 +139,9 @@ void Checkpoints::refuse_other_scene() const
                                   k < here.size() ? here[k] : "no more"));
 }
 
-void Checkpoints::begin(const Standing& scene, solve::TimeDriver& driver, TimeRecorder& recorder)
+void Checkpoints::begin(const Standing& scene, const Layout& layout, solve::TimeDriver& driver, TimeRecorder& recorder)
 {
-  scene_ = std::make_unique<SceneState>(scene, files_.options);
-  breaker_ = scene.model->breaker;
+  take_scene(scene, layout);
   step_length_ = driver.step_length();
   sound_ = kept_now(recorder);
   if (!from_) return;
@@ -142,8 +155,12 @@ void Checkpoints::begin(const Standing& scene, solve::TimeDriver& driver, TimeRe
   step_length_ = head_.at("step_length");
   if (driver.end_time() != head_.at("end")) clock.length = step_length_; // the last steps before that end were shorter
   read_sums(clock);
-  scene_->read(*from_, clock, driver);
-  std::optional<CrackNotes> cracks = scene_->read_cracks(*from_);
+  const NamedState state = read_tables(files_.comm(), *from_, scene.model->system.rows.dim);
+  const StateMove move(state, scene);
+  from_->require(move.misfit().table, move.misfit().why);
+  move.break_bonds();
+  driver.resume(clock, move.moving());
+  std::optional<CrackNotes> cracks = move.cracks();
   if (cracks && recorder.cracks()) recorder.cracks()->take_notes(std::move(*cracks));
   from_.reset();
   recorder.take_notes(head_);
@@ -169,12 +186,12 @@ void Checkpoints::read_sums(solve::TimeDriver::Clock& clock) const
   else if (rank == 0)
     for (std::size_t k = 0; k < sums.size(); ++k) mine[k % 3] += sums[k];
   clock.work = mine[0];
-  if (breaker_) breaker_->resume({std::llround(mine[1]), mine[2]});
+  if (breaker()) breaker()->resume({std::llround(mine[1]), mine[2]});
 }
 
 void Checkpoints::write_sums(io::Hdf5File& file, const solve::TimeDriver& driver) const
 {
-  const pd::Broken broken = breaker_ ? breaker_->mine() : pd::Broken{};
+  const pd::Broken broken = breaker() ? breaker()->mine() : pd::Broken{};
   const std::array<double, 3> mine{driver.moving().work(), static_cast<double>(broken.bonds), broken.energy};
   file.dataset("/rank_sums", std::span<const double>(mine), 3);
 }
@@ -225,7 +242,7 @@ void Checkpoints::finish(const solve::TimeDriver& driver, const TimeRecorder& re
 
 void Checkpoints::failed(const solve::TimeDriver& driver)
 {
-  if (scene_ && !sound_.numbers.empty()) write(driver, sound_);
+  if (scene_.model && !sound_.numbers.empty()) write(driver, sound_);
 }
 
 void Checkpoints::write(const solve::TimeDriver& driver, Kept kept)
@@ -240,11 +257,11 @@ void Checkpoints::write(const solve::TimeDriver& driver, Kept kept)
   const std::filesystem::path part = path.string() + ".part";
   try {
     io::Hdf5File file(files_.comm(), part, io::Hdf5File::Mode::sealed);
-    file.text("/scene", scene_->scene());
+    file.text("/scene", tables().scene());
+    layout_.write(file);
     write_numbers(file, numbers, rank_in(files_.comm()) == 0);
     write_sums(file, driver);
-    scene_->write(file, driver);
-    if (kept.cracks) scene_->write_cracks(file, *kept.cracks);
+    tables().write(file, capture(scene_, driver, kept.cracks));
     file.close();
     io::rename_durably(files_.comm(), part, path);
   } catch (...) { // no half of one stays, and what was there is untouched

@@ -136,7 +136,7 @@ double potential(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan&
   steps.assembled = assembled;
   solve::StaticDriver driver(d->system, steps);
   const VecHandle u = d->system.rows.vector();
-  driver.run(u.get(), [](const solve::Step&, Vec) {});
+  driver.run(u.get(), [](const solve::Step&, Vec) { return solve::Verdict::go_on; });
   std::vector<double> local;
   d->system.halo->gather(u.get(), local);
   double energy = 0.0;

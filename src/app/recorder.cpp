@@ -29,6 +29,17 @@ void Recorder::built(const Standing& scene)
   if (options_.output.history) open_history();
 }
 
+void Recorder::take_scene(const Standing& scene, const StateMove& move)
+{
+  files_.take_scene(scene);
+  d_ = scene.d;
+  if (!ledger_) return;
+  const post::LedgerState& before = ledger_->state();
+  const int dim = d_->system.rows.dim;
+  ledger_ = std::make_unique<post::EnergyLedger>(
+      d_->system, post::LedgerState{move.rows(before.u, dim), move.rows(before.force, dim), before.balance});
+}
+
 void Recorder::open_history()
 {
   std::vector<io::Column> columns{

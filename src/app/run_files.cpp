@@ -40,7 +40,7 @@ Standing::Standing(mesh::Mesh* background, const Solid* space) : mesh(background
 Standing::Standing(mesh::Mesh* background, CloudModel* particles) : mesh(background), cloud(particles), model(particles)
 {}
 
-void RunFiles::built(const Standing& standing)
+void RunFiles::take_scene(const Standing& standing)
 {
   scene = standing;
   const field::Rows& rows = scene.model->system.rows;
@@ -54,9 +54,16 @@ void RunFiles::built(const Standing& standing)
   summary.partition.cut = scene.mesh->quality().cut;
   summary.partition.imbalance = scene.mesh->quality().imbalance;
   summary.partition.particles_per_rank = gather_all(comm_, std::vector<int>{rows.particles});
+}
+
+void RunFiles::built(const Standing& standing)
+{
+  take_scene(standing);
+  const auto& unknowns = summary.unknowns;
+  const auto elements = unknowns.fe + unknowns.enriched;
   progress.line(fmt::format("{}: {} unknowns ({} of elements, {} of particles), partition cut {} imbalance {:.2f}",
-                            options.case_name, counts[0] + counts[1] + counts[2], counts[0] + counts[1], counts[2],
-                            scene.mesh->quality().cut, scene.mesh->quality().imbalance));
+                            options.case_name, elements + unknowns.pd, elements, unknowns.pd, scene.mesh->quality().cut,
+                            scene.mesh->quality().imbalance));
   report_cracks();
 }
 

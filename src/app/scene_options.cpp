@@ -374,6 +374,7 @@ SceneOptions SceneOptions::read(bool describe)
   s.conditions = read_conditions(s.solid, describe);
   s.load = LoadOptions::read();
   s.time = TimeOptions::read();
+  s.layout = LayoutOptions::read();
   s.post = PostOptions::read();
   s.output = read_output(s.case_name, s.time.dynamic());
   if (describe) return s;

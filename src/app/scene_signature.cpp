@@ -14,13 +14,21 @@ namespace {
 constexpr std::size_t kBlock = std::size_t{1} << 24; // [B]
 
 /// Beginnings of names that may change, and why.
-constexpr std::string_view kMayChange[] = {
-    "-output_",     "-quiet",    "-case",      "-checkpoint_", "-restart", // what is written
-    "-ts_",         "-analysis", "-load_",     // when it ends; the length of steps is compared apart
-    "-bc_",                                    // loads; what is held is compared as a state
-    "-pd_operator",                            // how it is solved
-    "-crack_",      "-pd_cloud", "-mesh_file", // compared by what they say
-    "-post_"};
+constexpr std::string_view kMayChange[] = {"-output_",
+                                           "-quiet",
+                                           "-case",
+                                           "-checkpoint_",
+                                           "-restart",               // what is written
+                                           "-layout_renew_interval", // what is the same with and without
+                                           "-ts_",
+                                           "-analysis",
+                                           "-load_",       // when it ends; the length of steps is compared apart
+                                           "-bc_",         // loads; what is held is compared as a state
+                                           "-pd_operator", // how it is solved
+                                           "-crack_",
+                                           "-pd_cloud",
+                                           "-mesh_file", // compared by what they say
+                                           "-post_"};
 constexpr std::string_view kMayNotChange[] = {"-post_tip_damage"}; // of these: tips so far were found by it
 
 bool belongs(const std::string& name)

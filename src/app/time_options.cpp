@@ -59,6 +59,17 @@ CheckpointOptions CheckpointOptions::read()
   return c;
 }
 
+LayoutOptions LayoutOptions::read()
+{
+  Options o("layout");
+  LayoutOptions l;
+  l.renew_interval = o.integer("-layout_renew_interval", 0,
+                               "diagnostic: steps or loads after which rows, Terms and solvers are made anew and take "
+                               "their state over by name; 0: never",
+                               {0.0, 1e9});
+  return l;
+}
+
 TimeOptions TimeOptions::read()
 {
   Options o("ts");

@@ -39,6 +39,21 @@ void TimeRecorder::started(const solve::TimeDriver& driver, const StepLimits& li
   begin_ = MPI_Wtime();
 }
 
+std::optional<CrackNotes> TimeRecorder::leave_scene()
+{
+  tiles_.computed += d_->tiles().computed;
+  tiles_.skipped += d_->tiles().skipped;
+  return cracks_ ? cracks_->notes() : std::nullopt;
+}
+
+void TimeRecorder::take_scene(const Standing& scene, std::optional<CrackNotes> cracks)
+{
+  files_.take_scene(scene);
+  d_ = scene.model;
+  cracks_ = CrackWatch::make(files_);
+  if (cracks_ && cracks) cracks_->take_notes(std::move(*cracks));
+}
+
 MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
 {
   MotionEnergies e;
@@ -54,15 +69,6 @@ MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
   e.kinetic_particles = kinetic.particles;
   e.kinetic_elements = kinetic.moving - kinetic.particles;
   return e;
-}
-
-/// Internal force on what is held, one value per owned component.
-std::vector<double> TimeRecorder::held_forces(const solve::TimeDriver& driver) const
-{
-  std::vector<double> force(driver.u().size(), 0.0);
-  for (std::size_t k = 0; k < d_->system.prescribed.components.size(); ++k)
-    force[static_cast<std::size_t>(d_->system.prescribed.components[k])] = driver.moving().held_force()[k];
-  return force;
 }
 
 void TimeRecorder::count(const MotionEnergies& e)
@@ -111,7 +117,9 @@ void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEn
                           e.residual()};
   if (d_->breaker) row.insert(row.end(), {e.stored.dissipated, static_cast<double>(broken_.bonds)});
   if (cracks_) cracks_->row(row);
-  const std::vector<double> reactions = files_.reactions(held_forces(driver));
+  std::vector<double> held;
+  driver.moving().held_force(held);
+  const std::vector<double> reactions = files_.reactions(held);
   row.insert(row.end(), reactions.begin(), reactions.end());
   files_.history->row(row);
 }
@@ -184,7 +192,7 @@ void TimeRecorder::write_tiles()
 {
   if (files_.summary.unknowns.pd == 0 || files_.scene.cloud) return;
   if (files_.options.time.analysis != Analysis::explicit_dynamics) return;
-  std::int64_t tiles[] = {d_->tiles().computed, d_->tiles().skipped};
+  std::int64_t tiles[] = {tiles_.computed + d_->tiles().computed, tiles_.skipped + d_->tiles().skipped};
   MPI_Allreduce(MPI_IN_PLACE, tiles, 2, MPI_INT64_T, MPI_SUM, files_.comm());
   files_.summary.results["pd_tiles_computed"] = tiles[0];
   files_.summary.results["pd_tiles_skipped"] = tiles[1];

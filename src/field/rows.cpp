@@ -16,6 +16,25 @@ Rows Rows::number(MPI_Comm comm, int dim, Index nodes, Index enriched, Index par
   return rows;
 }
 
+std::vector<double> owned_values(Vec u)
+{
+  PetscInt size = 0;
+  const double* values = nullptr;
+  PDX_CALL(VecGetLocalSize(u, &size));
+  PDX_CALL(VecGetArrayRead(u, &values));
+  std::vector<double> copy(values, values + size);
+  PDX_CALL(VecRestoreArrayRead(u, &values));
+  return copy;
+}
+
+void set_owned_values(Vec u, std::span<const double> values)
+{
+  double* to = nullptr;
+  PDX_CALL(VecGetArrayWrite(u, &to));
+  std::ranges::copy(values, to);
+  PDX_CALL(VecRestoreArrayWrite(u, &to));
+}
+
 VecHandle Rows::vector() const
 {
   VecHandle v;

@@ -2,7 +2,9 @@
 
 namespace pdx::post {
 EnergyLedger::EnergyLedger(const field::System& system)
-    : system_(system), u_(system.load.size(), 0.0), force_(system.load.size(), 0.0)
+    : system_(system), at_{std::vector<double>(system.load.size(), 0.0),
+                           std::vector<double>(system.load.size(), 0.0),
+                           {}}
 {}
 
 const EnergyBalance& EnergyLedger::accept(double load, std::span<const double> u,
@@ -14,14 +16,14 @@ const EnergyBalance& EnergyLedger::accept(double load, std::span<const double> u
     force[static_cast<std::size_t>(c)] = internal_force[static_cast<std::size_t>(c)];
   double work = 0.0;
   for (std::size_t i = 0; i < force.size(); ++i) {
-    work += 0.5 * (force_[i] + force[i]) * (u[i] - u_[i]);
-    u_[i] = u[i];
+    work += 0.5 * (at_.force[i] + force[i]) * (u[i] - at_.u[i]);
+    at_.u[i] = u[i];
   }
-  force_ = std::move(force);
+  at_.force = std::move(force);
   double sums[] = {work, mine.elements, mine.bonds, mine.interface, mine.dissipated};
   MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, system_.rows.comm);
-  balance_.work += sums[0];
-  balance_.energies = {sums[1], sums[2], sums[3], sums[4]};
-  return balance_;
+  at_.balance.work += sums[0];
+  at_.balance.energies = {sums[1], sums[2], sums[3], sums[4]};
+  return at_.balance;
 }
 } // namespace pdx::post

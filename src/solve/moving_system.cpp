@@ -89,11 +89,19 @@ void MovingSystem::load_at(double time)
   }
 }
 
-void MovingSystem::resume(double time, double work, std::span<const double> held)
+void MovingSystem::resume(double time, double work, std::span<const double> held_force)
 {
   work_ = work;
-  std::ranges::copy(held, held_.begin());
+  const auto& held = system.prescribed.components;
+  for (std::size_t k = 0; k < held.size(); ++k) held_[k] = held_force[static_cast<std::size_t>(held[k])];
   load_at(time);
+}
+
+void MovingSystem::held_force(std::vector<double>& force) const
+{
+  force.assign(owned(), 0.0);
+  const auto& held = system.prescribed.components;
+  for (std::size_t k = 0; k < held.size(); ++k) force[static_cast<std::size_t>(held[k])] = held_[k];
 }
 
 double MovingSystem::stored_energy() const

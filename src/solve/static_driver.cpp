@@ -30,9 +30,10 @@ bool works_matrix_free(std::string_view pc_type)
   return pc_type == PCMG || pc_type == PCNONE || pc_type == PCJACOBI || pc_type == PCPBJACOBI || pc_type == PCKSP;
 }
 
-StaticDriver::StaticDriver(const field::System& system, const StaticOptions& options)
+StaticDriver::StaticDriver(const field::System& system, const StaticOptions& options, StaticReport before)
     : system_(system), options_(options), tangent_(system, options.assembled || !system.coarse),
-      look_(system.rows.comm), rule_(options.rebuild_factor), start_(system.rows.vector())
+      look_(system.rows.comm), rule_(options.rebuild_factor), start_(system.rows.vector()), report_(std::move(before)),
+      assemblies_before_(report_.jacobian_assemblies)
 {
   if (!tangent_.assembled()) two_level_ = std::make_unique<TwoLevel>(system, tangent_);
   configure();
@@ -271,7 +272,7 @@ std::string StaticDriver::attempt(Vec u)
   report_.newton_iterations += newton;
   report_.linear_iterations += linear;
   report_.solve_iterations.push_back(linear);
-  report_.jacobian_assemblies = tangent_.assemblies();
+  report_.jacobian_assemblies = assemblies_before_ + tangent_.assemblies();
   report_.held_rows = tangent_.held_rows();
   return reason_of_failure(snes_.get());
 }
@@ -360,7 +361,12 @@ std::string StaticDriver::attempted(Step& step, Vec saved, Vec u)
 
 void StaticDriver::run(Vec u, const Accepted& accepted)
 {
-  LoadPath path(options_.load_steps, options_.max_halvings);
+  LoadPath all = path();
+  run(u, all, accepted);
+}
+
+Verdict StaticDriver::run(Vec u, LoadPath& path, const Accepted& accepted)
+{
   const VecHandle saved = system_.rows.vector();
   while (!path.done()) {
     PDX_CALL(VecCopy(u, saved.get()));
@@ -372,7 +378,7 @@ void StaticDriver::run(Vec u, const Accepted& accepted)
       report_.steps = step.number;
       report_.passes += step.passes;
       report_.changes += step.changes;
-      accepted(step, u);
+      if (const Verdict verdict = accepted(step, u); verdict != Verdict::go_on) return verdict;
       continue;
     }
     restore(saved.get(), u, step.changes > 0);
@@ -385,5 +391,6 @@ void StaticDriver::run(Vec u, const Accepted& accepted)
       throw SolverFailure(fmt::format("{}{}{}", where, step.changes > 0 ? kUnstable : "", why));
     ++report_.halvings;
   }
+  return Verdict::go_on;
 }
 } // namespace pdx::solve

@@ -111,16 +111,13 @@ void TimeDriver::after_step()
     }
     keep();
   }
-  if (after_each_() == Verdict::stop) PDX_CALL(TSSetConvergedReason(ts_.get(), TS_CONVERGED_USER));
+  verdict_ = after_each_();
+  if (verdict_ != Verdict::go_on) PDX_CALL(TSSetConvergedReason(ts_.get(), TS_CONVERGED_USER));
 }
 
 void TimeDriver::keep()
 {
-  good_.u.assign(moving_.u.begin(), moving_.u.end());
-  good_.v = moving_.v;
-  const auto a = acceleration();
-  good_.a.assign(a.begin(), a.end());
-  good_.held.assign(moving_.held_force().begin(), moving_.held_force().end());
+  copy_state(good_.state);
   good_.clock = clock();
   for (const auto& change : moving_.system.after_step) change->save();
 }
@@ -128,10 +125,27 @@ void TimeDriver::keep()
 void TimeDriver::go_back()
 {
   for (const auto& change : moving_.system.after_step) change->restore();
-  set_state(good_.clock, {good_.u, good_.v, good_.a, good_.held});
+  set_state(good_.clock, good_.state);
 }
 
-void TimeDriver::set_state(const Clock& clock, const State& state)
+void TimeDriver::copy_state(field::State& to) const
+{
+  const auto owned = static_cast<std::ptrdiff_t>(moving_.owned());
+  to.u.assign(moving_.u.begin(), moving_.u.begin() + owned);
+  to.v = moving_.v;
+  const auto a = acceleration();
+  to.a.assign(a.begin(), a.end());
+  moving_.held_force(to.held);
+}
+
+field::State TimeDriver::state() const
+{
+  field::State now;
+  copy_state(now);
+  return now;
+}
+
+void TimeDriver::set_state(const Clock& clock, const field::State& state)
 {
   std::ranges::copy(state.u, moving_.u.begin());
   std::ranges::copy(state.v, moving_.v.begin());
@@ -149,7 +163,7 @@ TimeDriver::Clock TimeDriver::clock() const
   return {time(), step(), step_length(), origin(), moving_.work(), energy_bound_, good_.clock.initial, start_bound_};
 }
 
-void TimeDriver::resume(const Clock& clock, const State& state)
+void TimeDriver::resume(const Clock& clock, const field::State& state)
 {
   good_.clock = clock;
   set_state(clock, state);
@@ -161,7 +175,7 @@ void TimeDriver::resume(const Clock& clock, const State& state)
   resumed_ = true;
 }
 
-void TimeDriver::run(const AfterEach& after_each)
+TimeDriver::Verdict TimeDriver::run(const AfterEach& after_each)
 {
   after_each_ = after_each;
   if (!resumed_) {
@@ -180,6 +194,7 @@ void TimeDriver::run(const AfterEach& after_each)
   if (const TSConvergedReason reason = asked(ts_.get(), TSGetConvergedReason); reason < 0)
     throw SolverFailure(fmt::format("step {}, time {:.6g} s: TS stopped ({}); try a smaller -ts_dt", step() + 1, time(),
                                     TSConvergedReasons[reason]));
+  return verdict_;
 }
 
 void TimeDriver::refuse_spent_run() const

@@ -1,15 +1,15 @@
 """Particles read from a file: on lattice points they give the lattice's answers, elsewhere a continuum's."""
 
 import program
-import test_restart
+import torn
 from program import fields
 
 import h5py
 import numpy as np
 
 DX = 0.001
-# The notched plate of test_restart, torn by body forces on its outermost rows: the same for a lattice and for a cloud.
-PLATE = test_restart.TORN | {
+# The notched plate of torn.py, torn by body forces on its outermost rows: the same for a lattice and for a cloud.
+PLATE = torn.TORN | {
     "-kinematics": "finite",
     "-crack_notch_points": "-0.001,0.02,0.03,0.02",
     "-bc_top_on": None,
@@ -97,7 +97,7 @@ class Cloud(program.ProgramTest):
                 self.assertAlmostEqual(row[name], other[name], delta=tolerance * scale, msg=name)
 
     def assert_same_checkpoint(self, a, b):
-        (a, _), (b, _) = test_restart.checkpoint(a.directory), test_restart.checkpoint(b.directory)
+        (a, _), (b, _) = torn.checkpoint(a.directory), torn.checkpoint(b.directory)
         moved = a["displacement"].any(axis=1).sum(), b["displacement"].any(axis=1).sum()
         self.assertGreater(min(moved), 0)
         for name in TABLES:
@@ -130,6 +130,10 @@ class Cloud(program.ProgramTest):
         for ranks in (2, 3):
             with self.subTest(ranks=ranks):
                 self.assert_same_checkpoint(whole, self.solve(options | {"-checkpoint_interval": "400"}, ranks))
+        for ranks in (1, 2):
+            with self.subTest(renewed_on=ranks):
+                renewed = {"-checkpoint_interval": "400", "-layout_renew_interval": "9"}
+                self.assert_same_checkpoint(whole, self.solve(options | renewed, ranks))
         for before, after in ((1, 1), (2, 1), (1, 2)):
             with self.subTest(before=before, after=after):
                 half = self.scratch / f"half_{before}_{after}"

@@ -12,7 +12,7 @@ import threading
 import time
 
 import program
-from test_restart import TORN
+from torn import TORN
 
 LIMIT = 5.0  # [s] from the failure to the end
 # Every kind of file in the first steps.

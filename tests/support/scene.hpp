@@ -182,7 +182,7 @@ public:
   {
     solve::StaticDriver driver(d_->system, {load_steps, assembled_});
     VecHandle u = d_->system.rows.vector();
-    driver.run(u.get(), [](const solve::Step&, Vec) {});
+    driver.run(u.get(), [](const solve::Step&, Vec) { return solve::Verdict::go_on; });
     report_ = driver.report();
     return u;
   }

@@ -1,5 +1,6 @@
 #pragma once
-#include "pdx/app/scene_state.hpp"
+#include "pdx/app/layout.hpp"
+#include "pdx/app/scene_tables.hpp"
 #include "pdx/app/time_recorder.hpp"
 #include "pdx/base/stop_signals.hpp"
 
@@ -7,12 +8,15 @@ namespace pdx::app {
 /// Writes `checkpoint.h5` when it is time or a signal says so, and goes on from one. All methods are collective.
 class Checkpoints {
 public:
-  /// Reads the head of `-restart`, so that files can go on where it was written. Throws UserError for a file that is
-  /// none.
+  /// Reads the head of `-restart`, so that files can go on where it was written, and its layout, for the scene to be
+  /// built by. Throws UserError for a file that is none.
   explicit Checkpoints(RunFiles& files);
+  const std::optional<Layout>& restarted() const { return from_layout_; } ///< none from the start
   /// The scene stands and nothing has moved: takes over the state of `-restart`, if there is one. Throws UserError if
   /// it is of another scene.
-  void begin(const Standing& scene, solve::TimeDriver& driver, TimeRecorder& recorder);
+  void begin(const Standing& scene, const Layout& layout, solve::TimeDriver& driver, TimeRecorder& recorder);
+  /// Another scene stands in its place, with the same state.
+  void take_scene(const Standing& scene, const Layout& layout);
   solve::TimeDriver::Verdict after_step(const solve::TimeDriver& driver, const TimeRecorder& recorder);
   /// The end, or the last sound state of a run gone wild: a checkpoint too, if any were asked for.
   void finish(const solve::TimeDriver& driver, const TimeRecorder& recorder);
@@ -31,19 +35,23 @@ private:
   Kept kept_now(const TimeRecorder& recorder) const;
   void look_around(const solve::TimeDriver& driver);
   void read_head();
-  void refuse_other_scene() const;
+  SceneTables& tables();
+  void refuse_other_scene();
   void read_sums(solve::TimeDriver::Clock& clock) const;
   void write(const solve::TimeDriver& driver, Kept kept);
   void write_sums(io::Hdf5File& file, const solve::TimeDriver& driver) const;
+  couple::BondBreaker* breaker() const { return scene_.model->breaker; }
 
   RunFiles& files_;
   const CheckpointOptions& options_;
   StopSignals signals_;
   std::unique_ptr<io::SealedReader> from_; // until the state is taken over
-  std::unique_ptr<SceneState> scene_;
-  couple::BondBreaker* breaker_ = nullptr;
-  Numbers head_; // of -restart
-  Kept sound_;   // where the driver can go back to
+  std::optional<Layout> from_layout_;      // its
+  Standing scene_;
+  Layout layout_;
+  std::unique_ptr<SceneTables> tables_; // of scene_, once they were asked for
+  Numbers head_;                        // of -restart
+  Kept sound_;                          // where the driver can go back to
   std::string stopped_;
   double step_length_ = 0.0; // that the run began with [s]
   int next_look_ = 0, looked_step_ = 0;

@@ -1,5 +1,5 @@
 #pragma once
-#include "pdx/app/run_files.hpp"
+#include "pdx/app/named_state.hpp"
 #include "pdx/post/error_norm.hpp"
 #include "pdx/solve/static_driver.hpp"
 
@@ -16,6 +16,8 @@ class Recorder {
 public:
   explicit Recorder(RunFiles& files) : files_(files), options_(files.options) {}
   void built(const Standing& scene);
+  /// What is booked by row goes on in another scene. @param move from the scene before to it
+  void take_scene(const Standing& scene, const StateMove& move);
   void accept(const solve::Step& step, Vec u, const solve::StaticDriver& driver, const Prior& prior);
   void count(const solve::StaticReport& report); ///< what it cost so far, for the summary
   void finish(const solve::StaticReport& report);

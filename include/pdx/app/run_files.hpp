@@ -44,6 +44,8 @@ public:
   RunFiles(MPI_Comm comm, const SceneOptions& options, double begin);
   /// The scene stands: counts it, reports its cracks.
   void built(const Standing& scene);
+  /// Another scene stands in its place.
+  void take_scene(const Standing& scene);
   void expect_history(std::vector<io::Column> columns) { columns_ = std::move(columns); }
   /// Set-up is over and nothing was refused: files of an earlier run go, those of this one are opened.
   void started();

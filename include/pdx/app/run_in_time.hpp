@@ -1,11 +1,8 @@
 #pragma once
-#include "pdx/app/run_files.hpp"
+#include "pdx/app/scene.hpp"
 
 namespace pdx::app {
 /// Steps a scene through time and writes what was asked for. Collective.
-void run_in_time(RunFiles& files, mesh::Mesh& mesh, const PatchPlan& plan, std::vector<pd::Particle> particles);
-/// The same of a solid, from its mesh on. Collective.
-void run_solid(RunFiles& files);
-/// The same of a cloud, from its file on. Collective.
-void run_cloud(RunFiles& files, SceneOptions& options);
+/// @param make the scene, anew for each layout
+void run_in_time(RunFiles& files, const SceneMaker& make);
 } // namespace pdx::app

@@ -77,6 +77,7 @@ struct SceneOptions {
   std::vector<BoundaryCondition> conditions;
   LoadOptions load;
   TimeOptions time;
+  LayoutOptions layout;
   PostOptions post;
   OutputOptions output;
   std::vector<std::string> warnings; ///< of what was taken otherwise than written

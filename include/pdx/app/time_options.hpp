@@ -22,6 +22,13 @@ struct CheckpointOptions {
   static CheckpointOptions read();
 };
 
+/// When a scene changes its layout.
+struct LayoutOptions {
+  int renew_interval = 0; ///< steps after which all is built anew as it was, to show that it changes nothing; 0: never
+
+  static LayoutOptions read();
+};
+
 /// How a scene moves in time, besides PETSc's own -ts_...
 struct TimeOptions {
   Analysis analysis = Analysis::statics;

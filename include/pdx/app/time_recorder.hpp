@@ -28,6 +28,10 @@ public:
   void built(const Standing& scene);
   void started(const solve::TimeDriver& driver, const StepLimits& limits);
   void after_step(const solve::TimeDriver& driver);
+  /// The scene is about to go: what is to be known of its cracks.
+  std::optional<CrackNotes> leave_scene();
+  /// Another stands in its place.
+  void take_scene(const Standing& scene, std::optional<CrackNotes> cracks);
   /// Running values that a restarted run needs, by name.
   using Notes = std::map<std::string, double>;
   Notes notes() const { return {{"largest_energy", largest_energy_}, {"largest_residual", largest_residual_}}; }
@@ -48,10 +52,10 @@ private:
   void write_tiles();
   void print_phases(const solve::TimeDriver& driver);
   bool fields_due(const solve::TimeDriver& driver);
-  std::vector<double> held_forces(const solve::TimeDriver& driver) const;
 
   RunFiles& files_;
   const Model* d_ = nullptr;
+  Model::Tiles tiles_;                 // of scenes that are gone
   std::unique_ptr<CrackWatch> cracks_; // null where no crack can grow from a given tip
   StepLimits limits_;
   pd::Broken broken_;             // of all ranks, at the last look

@@ -21,6 +21,10 @@ struct Rows {
   VecHandle vector() const; ///< zero vector with this layout and block size dim. Collective.
 };
 
+/// The values of this rank's rows, and the other way round.
+std::vector<double> owned_values(Vec u);
+void set_owned_values(Vec u, std::span<const double> values);
+
 /// Local view of rows: [owned | halo]. The halo is what some Term reads of other ranks.
 class RowHalo {
 public:

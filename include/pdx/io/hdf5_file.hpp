@@ -23,6 +23,7 @@ public:
   ~Hdf5File(); ///< what was not flushed or closed is lost
   Hdf5File(const Hdf5File&) = delete;
   Hdf5File& operator=(const Hdf5File&) = delete;
+  MPI_Comm comm() const { return comm_; }
 
   /// Creates a group and, where missing, its parents: "/step000000/mesh".
   void group(const std::string& path);

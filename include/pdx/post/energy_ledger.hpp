@@ -1,6 +1,8 @@
 #pragma once
 #include "pdx/field/system.hpp"
 
+#include <utility>
+
 namespace pdx::post {
 /// Where the energy of a body is. [J]
 struct Energies {
@@ -19,11 +21,19 @@ struct EnergyBalance {
   double error() const { return work - energies.elastic() - energies.dissipated; }
 };
 
+/// What a ledger goes on from.
+struct LedgerState {
+  std::vector<double> u, force; ///< owned components, of the last accepted step [m, N]
+  EnergyBalance balance;
+};
+
 /// Energy over the accepted steps of a load path that starts at rest without load.
 class EnergyLedger {
 public:
   /// The system, its loads and prescribed components complete, must outlive the ledger.
   explicit EnergyLedger(const field::System& system);
+  /// Goes on from another, perhaps of another layout.
+  EnergyLedger(const field::System& system, LedgerState state) : system_(system), at_(std::move(state)) {}
 
   /// Books an accepted equilibrium. External forces are the load, and the internal force where a displacement is
   /// prescribed (reaction and load together); their work is added by the trapezoidal rule. Collective.
@@ -31,11 +41,11 @@ public:
   /// @param mine this rank's energies, totals at this step
   const EnergyBalance& accept(double load, std::span<const double> u, std::span<const double> internal_force,
                               const Energies& mine);
-  const EnergyBalance& balance() const { return balance_; }
+  const EnergyBalance& balance() const { return at_.balance; }
+  const LedgerState& state() const { return at_; }
 
 private:
   const field::System& system_;
-  std::vector<double> u_, force_; // at the last accepted step, owned
-  EnergyBalance balance_;
+  LedgerState at_;
 };
 } // namespace pdx::post

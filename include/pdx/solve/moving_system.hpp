@@ -50,14 +50,14 @@ public:
   void book();
   double work() const { return work_; } ///< since the start, this rank's part [J]
   /// Goes on from a state between steps: this rank's work, `held_force`, and the loads of that time.
-  void resume(double time, double work, std::span<const double> held);
+  void resume(double time, double work, std::span<const double> held_force);
 
   /// @param a owned [m/s^2]   @param step length [s]   Collective.
   KineticEnergy kinetic_energy(std::span<const double> a, double step) const;
   /// Strain energy, and what broken bonds have taken, of all ranks; the halo of u must be fresh. Collective. [J]
   double stored_energy() const;
-  /// Internal force on `system.prescribed.components`, in that order, at the last `unbalanced` [N].
-  std::span<const double> held_force() const { return held_; }
+  /// Internal force at the last `unbalanced` where something is held, 0 on other owned components [N].
+  void held_force(std::vector<double>& force) const;
   /// The place of the fastest row, of all ranks [m]. Collective.
   std::array<double, 3> fastest_place() const;
 

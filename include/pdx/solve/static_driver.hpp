@@ -3,6 +3,7 @@
 #include "pdx/solve/keep_rule.hpp"
 #include "pdx/solve/load_path.hpp"
 #include "pdx/solve/two_level.hpp"
+#include "pdx/solve/verdict.hpp"
 
 #include <functional>
 
@@ -48,15 +49,21 @@ struct Step {
 class StaticDriver {
 public:
   /// Sets up solver objects and reads PETSc's options. The system must be bound and outlive the driver. Collective.
-  StaticDriver(const field::System& system, const StaticOptions& options);
+  /// @param before what drivers of other layouts have done of the same load path
+  StaticDriver(const field::System& system, const StaticOptions& options, StaticReport before = {});
   StaticDriver(const StaticDriver&) = delete;
   StaticDriver& operator=(const StaticDriver&) = delete;
 
   /// Called after each accepted load with the displacement.
-  using Accepted = std::function<void(const Step& step, Vec u)>;
-  /// Runs all loads from the state in u. Throws SolverFailure (which load, why, what to try), what `judge` throws, or
+  using Accepted = std::function<Verdict(const Step& step, Vec u)>;
+  /// Runs the loads that are left of a path from the state in u, until `accepted` says otherwise, and returns what it
+  /// said last. Throws SolverFailure (which load, why, what to try), what `judge` throws, or
   /// Stopped when a signal came; u and the AfterSolves are then in the state accepted last. Collective.
+  Verdict run(Vec u, LoadPath& path, const Accepted& accepted);
+  /// All loads.
   void run(Vec u, const Accepted& accepted);
+  /// The path that `run` begins with by itself.
+  LoadPath path() const { return {options_.load_steps, options_.max_halvings}; }
   const StaticReport& report() const { return report_; }
   SNES snes() const { return snes_.get(); }
   /// Residual of the free components and reactions at prescribed ones: internal force - load [N]. Collective.
@@ -104,6 +111,7 @@ private:
   double load_ = 0.0;
   mutable std::vector<double> local_;
   StaticReport report_;
+  int assemblies_before_; // by other drivers
 };
 
 /// The PC types that need no assembled matrix.

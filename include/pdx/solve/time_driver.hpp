@@ -1,12 +1,14 @@
 #pragma once
+#include "pdx/field/state.hpp"
 #include "pdx/solve/central_difference.hpp"
 #include "pdx/solve/moving_system.hpp"
+#include "pdx/solve/verdict.hpp"
 
 namespace pdx::solve {
 /// What steps a System through time by a TS, explicit or implicit, and what may be asked of it between two steps.
 class TimeDriver {
 public:
-  enum class Verdict { go_on, stop };
+  using Verdict = solve::Verdict;
   /// Called after each step, on every rank.
   using AfterEach = std::function<Verdict()>;
 
@@ -16,9 +18,10 @@ public:
   TimeDriver(const TimeDriver&) = delete;
   TimeDriver& operator=(const TimeDriver&) = delete;
 
-  /// Steps to the end, or until `after_each` says stop. Throws SolverFailure when energy grows beyond the work done; u,
-  /// v and the rest are then those of the last state that was found sound. Collective.
-  void run(const AfterEach& after_each);
+  /// Steps to the end, or until `after_each` says otherwise, and returns what it said last. Throws SolverFailure when
+  /// energy grows beyond the work done; u, v and the rest are then those of the last state that was found sound.
+  /// Collective.
+  Verdict run(const AfterEach& after_each);
 
   double time() const;
   int step() const;                                  ///< steps done
@@ -47,15 +50,11 @@ public:
     double start_bound = 0.0;  ///< what energy_bound began with [J]
   };
   Clock clock() const;
-  /// Owned blocks between two steps. Acceleration and held force were evaluated before the bonds broke that are gone
-  /// now, so they cannot be worked out again.
-  struct State {
-    std::span<const double> u, v, a;
-    std::span<const double> held; ///< `MovingSystem::held_force` [N]
-  };
-  State state() const { return {u(), v(), acceleration(), moving_.held_force()}; }
-  /// Goes on from a state. Collective.
-  void resume(const Clock& clock, const State& state);
+  /// Between two steps. Acceleration and held force were evaluated before the bonds broke that are gone now, so they
+  /// cannot be worked out again.
+  field::State state() const;
+  /// Goes on from a state, of this layout or carried to it. Collective.
+  void resume(const Clock& clock, const field::State& state);
 
 protected:
   /// TS of this name with what all runs have in common, and the user's -ts_... on top.
@@ -85,14 +84,16 @@ private:
   void refuse_spent_run() const;
   void keep();
   void go_back();
-  void set_state(const Clock& clock, const State& state);
+  void copy_state(field::State& to) const;
+  void set_state(const Clock& clock, const field::State& state);
 
   double energy_bound_ = 0.0, start_bound_ = 0.0;
   bool resumed_ = false;
   AfterEach after_each_;
+  Verdict verdict_ = Verdict::go_on;
   field::ForceLosses losses_;
   struct Good {
-    std::vector<double> u, v, a, held;
+    field::State state;
     Clock clock;
   } good_;
 };

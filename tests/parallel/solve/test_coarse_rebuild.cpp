@@ -96,7 +96,7 @@ Solved solve_strip(bool growing)
   Solved solved;
   solved.u = scene.rows().vector();
   solve::StaticDriver driver(system, {.load_steps = 1, .rebuild_factor = 0.0});
-  driver.run(solved.u.get(), [](const solve::Step&, Vec) {});
+  driver.run(solved.u.get(), [](const solve::Step&, Vec) { return solve::Verdict::go_on; });
   solved.report = driver.report();
   KSP ksp = nullptr;
   PC pc = nullptr;

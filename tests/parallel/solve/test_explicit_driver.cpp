@@ -149,7 +149,8 @@ TEST(ExplicitDriver, GoesOnToTheLastBit)
 {
   const std::vector<std::pair<const char*, std::string>> options{{"-ts_dt", "0.13"}, {"-ts_max_time", "9"}};
   const field::History pulse = field::History::gaussian(4.0, 1.0);
-  std::vector<double> u, v, a, end;
+  std::vector<double> end;
+  field::State state;
   solve::ExplicitDriver::Clock clock;
   double work = 0.0;
   {
@@ -158,9 +159,7 @@ TEST(ExplicitDriver, GoesOnToTheLastBit)
     solve::ExplicitDriver driver(o.system(), kOptions);
     driver.run([&] {
       if (driver.step() == 31) {
-        u.assign(driver.u().begin(), driver.u().end());
-        v.assign(driver.v().begin(), driver.v().end());
-        a.assign(driver.acceleration().begin(), driver.acceleration().end());
+        state = driver.state();
         clock = driver.clock();
       }
       return solve::ExplicitDriver::Verdict::go_on;
@@ -171,7 +170,7 @@ TEST(ExplicitDriver, GoesOnToTheLastBit)
   Oscillators o(options, 3);
   o.system().drives.push_back({Drive::Kind::force, pulse, {2, 5}, {1.0, 0.7}});
   solve::ExplicitDriver driver(o.system(), kOptions);
-  driver.resume(clock, {u, v, a, {}});
+  driver.resume(clock, state);
   driver.run(go_on);
   EXPECT_EQ(driver.step(), 70);
   EXPECT_EQ(std::vector<double>(driver.u().begin(), driver.u().end()), end);

@@ -47,7 +47,7 @@ Outcome run(HangingPlate& plate, const solve::StaticOptions& options)
 {
   Outcome outcome{plate.rows().vector(), {}};
   solve::StaticDriver driver(plate.scene.system(), options);
-  driver.run(outcome.u.get(), [](const solve::Step&, Vec) {});
+  driver.run(outcome.u.get(), [](const solve::Step&, Vec) { return solve::Verdict::go_on; });
   outcome.report = driver.report();
   return outcome;
 }

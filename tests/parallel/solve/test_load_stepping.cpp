@@ -52,6 +52,7 @@ Outcome run(const field::System& system, const solve::StaticOptions& options)
     driver.run(u.get(), [&](const solve::Step& step, Vec state) {
       run.steps.push_back(step);
       run.states.push_back(values(state));
+      return solve::Verdict::go_on;
     });
   } catch (const SolverFailure& failure) {
     run.failure = failure.what();

@@ -33,7 +33,7 @@ const std::vector<double>& elements_only()
     const auto d = app::discretise(mesh, options, {}, {}, true);
     solve::StaticDriver driver(d->system, {1, true});
     const VecHandle u = d->system.rows.vector();
-    driver.run(u.get(), [](const solve::Step&, Vec) {});
+    driver.run(u.get(), [](const solve::Step&, Vec) { return solve::Verdict::go_on; });
     return d->vertex_displacement(u.get());
   }();
   return reference;

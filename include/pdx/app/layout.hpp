@@ -1,0 +1,24 @@
+#pragma once
+#include "pdx/app/scene_options.hpp"
+#include "pdx/io/hdf5_file.hpp"
+#include "pdx/io/sealed_reader.hpp"
+
+namespace pdx::app {
+/// What of a scene may change while it runs, from the body's corner: where its patches lie and where its cracks run.
+struct Layout {
+  std::vector<geom::Box<2>> patches; ///< boxes of particles; none where all of the body is one patch [m]
+  std::vector<double> spacing;       ///< of each [m]
+  std::vector<crack::Polyline> cracks;
+  std::int64_t epoch = 0; ///< changes since the start
+
+  /// That of the options, settled.
+  static Layout given(const SceneOptions& options);
+  /// The options of a scene with this layout.
+  SceneOptions in(SceneOptions options) const;
+
+  /// Its tables in a checkpoint. Collective.
+  void write(io::Hdf5File& file) const;
+  /// Throws UserError for tables that make no layout. Collective.
+  static Layout read(const io::SealedReader& file);
+};
+} // namespace pdx::app

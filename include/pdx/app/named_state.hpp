@@ -1,0 +1,70 @@
+#pragma once
+#include "pdx/app/crack_watch.hpp"
+#include "pdx/app/scene_names.hpp"
+#include "pdx/field/row_move.hpp"
+#include "pdx/field/state.hpp"
+#include "pdx/solve/time_driver.hpp"
+
+namespace pdx::app {
+/// What a CrackWatch has seen, by names of particles.
+struct NamedCracks {
+  std::int64_t bonds_broken = 0; ///< at the last look
+  double time = 0.0, largest_speed = 0.0;
+  std::vector<field::RowName> arrivals; ///< of all ranks, in order of looks
+  std::vector<double> arrival_times;    ///< of each [s]
+  std::vector<int> per_look;            ///< how many of them each look saw
+  std::vector<double> damage;           ///< at the last look, one for each of `NamedState::particles`
+};
+
+/// All that a scene has come to, by names that outlive its ranks and its layout: what another layout, a checkpoint and
+/// a restarted run take of it. The lists of a rank may be those of what it owns, or any share of all.
+struct NamedState {
+  int dim = 2;
+  std::vector<field::RowName> rows; ///< RowName() for none
+  field::State moving;              ///< of `rows`, in time; empty in statics
+  std::vector<field::RowName> particles;
+  int words_per_particle = 0;       ///< 0 where nothing can break
+  std::vector<std::uint64_t> words; ///< of bonds, so many for each of `particles`
+  /// Names of carried bonds that broke, of all ranks, ascending; none where there are no carried bonds.
+  std::optional<std::vector<std::uint64_t>> carried;
+  std::optional<NamedCracks> cracks; ///< as a CrackWatch has seen them; none without one
+};
+
+/// What a scene owns, without what moves. Collective.
+NamedState capture(const Standing& scene);
+/// The same of a scene in time. Collective.
+NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks);
+
+/// Why a state does not fit a scene, and in which table of a checkpoint that stands.
+struct Misfit {
+  const char* table = "";
+  std::string why; ///< empty: it fits
+};
+
+/// The way of a state to a scene, which may have other ranks and another layout. All methods are collective.
+class StateMove {
+public:
+  /// Both must outlive this.
+  StateMove(const NamedState& state, const Standing& scene);
+  const Misfit& misfit() const { return misfit_; } ///< nothing below may be asked for what does not fit
+
+  /// Values of the scene's rows. @param values of the state's rows x components
+  std::vector<double> rows(std::span<const double> values, int components) const;
+  /// Breaks the bonds that are broken there.
+  void break_bonds() const;
+  field::State moving() const;
+  std::optional<CrackNotes> cracks() const;
+
+  /// Throws std::logic_error for what does not fit: between two layouts of one run nothing may be lost.
+  void require_fit() const;
+
+private:
+  Misfit misfit_of() const;
+
+  const NamedState& state_;
+  Standing scene_;
+  SceneNames names_;
+  field::RowMove rows_, particles_;
+  Misfit misfit_;
+};
+} // namespace pdx::app

@@ -1,0 +1,43 @@
+#pragma once
+#include "pdx/app/layout.hpp"
+#include "pdx/app/patches.hpp"
+#include "pdx/app/run_files.hpp"
+#include "pdx/app/time_recorder.hpp"
+
+namespace pdx::app {
+/// What a scene in the plane stands on: its mesh and the particles of its patches, not yet discretised.
+struct Ground {
+  SceneOptions options;
+  mesh::MeshOptions mesh_options;
+  PatchPlan plan;
+  mesh::Mesh mesh;
+  pd::Particles swarm;
+  std::vector<pd::Particle> particles; ///< none before `lay_particles`
+
+  /// Throws UserError for what does not fit. Collective.
+  Ground(MPI_Comm comm, SceneOptions given);
+  Ground(const Ground&) = delete;
+  Ground& operator=(const Ground&) = delete;
+  /// Covers cells and fills the patches, where there are any. Collective.
+  void lay_particles();
+  std::vector<std::string> warnings() const; ///< of what is odd but allowed, "" for none
+};
+
+/// A scene in time under one layout, with all that it stands on. A change of layout makes another.
+class Scene {
+public:
+  virtual ~Scene() = default;
+  virtual Standing standing() = 0;
+  virtual field::System& system() = 0;
+  virtual StepLimits limits() = 0; ///< Collective.
+  virtual std::vector<std::string> warnings() { return {}; }
+};
+
+/// Makes a scene for a layout. Collective. Throws UserError for what does not fit, Stopped when a signal came.
+using SceneMaker = std::function<std::unique_ptr<Scene>(const Layout& layout)>;
+
+SceneMaker plane_scene(MPI_Comm comm, const SceneOptions& options);
+SceneMaker solid_scene(MPI_Comm comm, const SceneOptions& options);
+/// Reads the file and moves cloud and options into its frame. Collective.
+SceneMaker cloud_scene(MPI_Comm comm, SceneOptions& options);
+} // namespace pdx::app

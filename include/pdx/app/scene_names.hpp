@@ -1,0 +1,30 @@
+#pragma once
+#include "pdx/app/run_files.hpp"
+#include "pdx/field/row_name.hpp"
+
+namespace pdx::app {
+/// What the rows of a scene are called, on any ranks and under any layout.
+class SceneNames {
+public:
+  /// What `scene` points to must outlive this. The rows of enriched sets are numbered.
+  explicit SceneNames(const Standing& scene);
+
+  std::span<const field::RowName> rows() const { return rows_; } ///< owned, in their order
+  std::span<const field::RowName> particles() const;             ///< the last of them
+  /// @param site as `pd::Particle::site`
+  field::RowName particle(Index patch, Index site) const;
+
+  /// What damage has reached, as a CrackWatch counts it: in a solid a site of the middle layer.
+  field::RowName arrival(Index patch, Index site) const;
+  struct Place {
+    Index patch = 0, site = 0;
+  };
+  std::optional<Place> arrival_at(field::RowName name) const; ///< none if nothing here is called that
+  /// Whether a CrackWatch looks at owned particle k.
+  bool is_watched(std::size_t k) const;
+
+private:
+  Standing scene_;
+  std::vector<field::RowName> rows_;
+};
+} // namespace pdx::app

@@ -1,0 +1,35 @@
+#pragma once
+#include "pdx/app/named_state.hpp"
+#include "pdx/io/natural_order.hpp"
+#include "pdx/io/sealed_reader.hpp"
+
+namespace pdx::app {
+/// A NamedState as tables of a file, in a natural order that does not depend on the number of ranks: nodes by mesh
+/// vertex, then enriched sets by vertex and crack, then particles by patch and site, their names beside. Whoever reads
+/// them need know nothing of that order.
+class SceneTables {
+public:
+  /// What `scene` points to must outlive it. Collective.
+  SceneTables(const Standing& scene, const SceneOptions& options);
+
+  /// What makes a scene this one, "name = value" a line: a state fits only where all of them are the same.
+  const std::string& scene() const { return text_; }
+  /// @param state as `capture` makes it of this scene. Collective.
+  void write(io::Hdf5File& file, const NamedState& state) const;
+
+private:
+  void number_rows();
+  void note_supports(std::span<const PetscInt> numbers);
+  void describe(const SceneOptions& options);
+
+  Standing scene_;
+  const Model& model_;
+  PetscInt sets_ = 0, particles_ = 0; // on all ranks
+  std::unique_ptr<io::NaturalOrder> row_order_, particle_order_;
+  std::string supports_, text_;
+};
+
+/// An even share of the tables of a file for each rank. Throws UserError for tables that do not belong together.
+/// Collective.
+NamedState read_tables(MPI_Comm comm, const io::SealedReader& file, int dim);
+} // namespace pdx::app

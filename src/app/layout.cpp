@@ -1,0 +1,83 @@
+#include "pdx/app/layout.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace pdx::app {
+namespace {
+constexpr const char* kPatches = "/layout_patches"; // spacing, lower and upper corner of each box [m]
+constexpr const char* kCracks = "/layout_cracks";   // number of the crack and a point of it [m]
+constexpr const char* kEpoch = "/layout_epoch";
+
+std::vector<double> table(const io::SealedReader& file, const char* name, int columns)
+{
+  std::vector<double> values(static_cast<std::size_t>(columns) * static_cast<std::size_t>(file.shape(name)[0]));
+  file.read(name, 0, columns, std::span<double>(values));
+  return values;
+}
+
+std::string fault_of_box(const double* row)
+{
+  if (!(row[0] > 0.0)) return fmt::format("has a spacing of {:g} m", row[0]);
+  return row[1] < row[3] && row[2] < row[4] ? "" : "has a box without inside";
+}
+} // namespace
+
+Layout Layout::given(const SceneOptions& options)
+{
+  Layout layout{options.pd.patches, {}, options.cracks.lines};
+  for (std::size_t p = 0; p < layout.patches.size(); ++p) layout.spacing.push_back(options.pd.spacing_of(p));
+  return layout;
+}
+
+SceneOptions Layout::in(SceneOptions options) const
+{
+  if (!patches.empty()) {
+    options.pd.patches = patches;
+    options.pd.spacing = spacing;
+  }
+  options.cracks.lines = cracks;
+  return options;
+}
+
+void Layout::write(io::Hdf5File& file) const
+{
+  int rank = 0;
+  MPI_Comm_rank(file.comm(), &rank);
+  std::vector<double> boxes, points, changes;
+  for (std::size_t p = 0; p < patches.size() && rank == 0; ++p)
+    boxes.insert(boxes.end(),
+                 {spacing[p], patches[p].lower[0], patches[p].lower[1], patches[p].upper[0], patches[p].upper[1]});
+  for (std::size_t k = 0; k < cracks.size() && rank == 0; ++k)
+    for (const Vector<2>& x : cracks[k]) points.insert(points.end(), {static_cast<double>(k), x[0], x[1]});
+  if (rank == 0) changes.push_back(static_cast<double>(epoch));
+  file.dataset(kPatches, std::span<const double>(boxes), 5);
+  file.dataset(kCracks, std::span<const double>(points), 3);
+  file.dataset(kEpoch, std::span<const double>(changes), 1);
+}
+
+Layout Layout::read(const io::SealedReader& file)
+{
+  Layout layout;
+  const std::vector<double> boxes = table(file, kPatches, 5), points = table(file, kCracks, 3),
+                            changes = table(file, kEpoch, 1);
+  for (std::size_t k = 0; k < boxes.size(); k += 5) {
+    const double* row = boxes.data() + k;
+    file.require(kPatches, fault_of_box(row));
+    layout.spacing.push_back(row[0]);
+    layout.patches.push_back({{row[1], row[2]}, {row[3], row[4]}});
+  }
+  for (std::size_t k = 0; k < points.size(); k += 3) {
+    const auto cracks = static_cast<double>(layout.cracks.size());
+    file.require(kCracks, points[k] == cracks || (cracks > 0.0 && points[k] == cracks - 1.0)
+                              ? ""
+                              : fmt::format("has crack {} behind {}", points[k], cracks));
+    layout.cracks.resize(static_cast<std::size_t>(points[k]) + 1);
+    layout.cracks.back().push_back({points[k + 1], points[k + 2]});
+  }
+  const bool counted = changes.size() == 1 && changes[0] >= 0.0 && changes[0] == std::floor(changes[0]);
+  file.require(kEpoch, counted ? "" : "must hold one whole number from 0 on");
+  layout.epoch = std::llround(changes[0]);
+  return layout;
+}
+} // namespace pdx::app

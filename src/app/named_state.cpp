@@ -1,0 +1,163 @@
+#include "pdx/app/named_state.hpp"
+
+#include "pdx/app/cloud_body.hpp"
+#include "pdx/app/solid.hpp"
+#include "pdx/base/gather.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <stdexcept>
+
+namespace pdx::app {
+namespace {
+constexpr int kLatticeWords = 2;
+
+/// Calls visit(bond term) where particles lie on a lattice.
+template <class Visit> void with_bonds(const Standing& scene, Visit&& visit)
+{
+  if (scene.solid)
+    visit(*scene.solid->bonds);
+  else if (scene.d && scene.d->bonds)
+    visit(*scene.d->bonds);
+}
+
+int words_per_particle(const Standing& scene)
+{
+  return scene.cloud ? scene.cloud->words_per_particle() : kLatticeWords;
+}
+
+std::vector<std::uint64_t> words_of(const Standing& scene)
+{
+  if (scene.cloud) return scene.cloud->words();
+  std::vector<std::uint64_t> words;
+  with_bonds(scene, [&](const auto& bonds) {
+    for (const auto& part : bonds.parts())
+      for (Index k = 0; k < static_cast<Index>(part->sites().size()); ++k)
+        for (const std::uint64_t word : part->words_of(k)) words.push_back(word);
+  });
+  return words;
+}
+
+NamedCracks named(const CrackNotes& notes, const SceneNames& names)
+{
+  const post::CrackTracker::State& tracker = notes.tracker;
+  NamedCracks cracks{notes.bonds_broken, tracker.time, tracker.largest_speed, {}, {}, tracker.per_look, {}};
+  for (const post::Arrival& arrival : tracker.arrivals) {
+    cracks.arrivals.push_back(names.arrival(arrival.patch, arrival.site));
+    cracks.arrival_times.push_back(arrival.time);
+  }
+  cracks.damage.assign(names.particles().size(), 0.0);
+  auto watched = tracker.damage.begin();
+  for (std::size_t k = 0; k < cracks.damage.size() && watched != tracker.damage.end(); ++k)
+    if (names.is_watched(k)) cracks.damage[k] = *watched++;
+  return cracks;
+}
+
+/// @param damage of the scene's own particles
+CrackNotes placed(const NamedCracks& cracks, std::span<const double> damage, const SceneNames& names)
+{
+  CrackNotes notes{cracks.bonds_broken, {cracks.time, cracks.largest_speed, {}, cracks.per_look, {}}};
+  for (std::size_t k = 0; k < cracks.arrivals.size(); ++k) {
+    const SceneNames::Place at = names.arrival_at(cracks.arrivals[k]).value();
+    notes.tracker.arrivals.push_back({at.patch, at.site, cracks.arrival_times[k]});
+  }
+  for (std::size_t k = 0; k < damage.size(); ++k)
+    if (names.is_watched(k)) notes.tracker.damage.push_back(damage[k]);
+  return notes;
+}
+
+bool breaks(const Standing& scene) { return scene.model->breaker || (scene.d && scene.d->fracture); }
+
+std::span<const field::RowName> names_with_words(const Standing& scene, const SceneNames& names)
+{
+  return names.particles().first(breaks(scene) ? names.particles().size() : 0);
+}
+} // namespace
+
+NamedState capture(const Standing& scene)
+{
+  const field::System& system = scene.model->system;
+  const SceneNames names(scene);
+  NamedState state;
+  state.dim = system.rows.dim;
+  state.rows.assign(names.rows().begin(), names.rows().end());
+  state.particles.assign(names.particles().begin(), names.particles().end());
+  if (!breaks(scene)) return state;
+  state.words_per_particle = words_per_particle(scene);
+  state.words = words_of(scene);
+  if (!scene.d || !scene.d->carried) return state;
+  state.carried = gather_all(system.rows.comm, scene.d->carried->broken());
+  std::ranges::sort(*state.carried);
+  return state;
+}
+
+NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks)
+{
+  NamedState state = capture(scene);
+  state.moving = driver.state();
+  if (cracks) state.cracks = named(*cracks, SceneNames(scene));
+  return state;
+}
+
+StateMove::StateMove(const NamedState& state, const Standing& scene)
+    : state_(state), scene_(scene), names_(scene), rows_(scene.model->system.rows.comm, state.rows, names_.rows()),
+      particles_(scene.model->system.rows.comm, state.particles, names_with_words(scene, names_)), misfit_(misfit_of())
+{}
+
+Misfit StateMove::misfit_of() const
+{
+  if (!rows_.unique() || !particles_.unique()) return {"/row_names", "has a name twice"};
+  if (any_rank(scene_.model->system.rows.comm, !rows_.fresh().empty() || !particles_.fresh().empty()))
+    return {"/row_names", "has not every row of the scene"};
+  if (const int width = breaks(scene_) ? words_per_particle(scene_) : 0; state_.words_per_particle != width)
+    return {"/bond_words", fmt::format("has {} words a particle: must be {}", state_.words_per_particle, width)};
+  if (breaks(scene_) && scene_.d && scene_.d->carried && !state_.carried)
+    return {"/broken_carried_bonds", "is missing"};
+  if (!state_.cracks) return {};
+  const auto known = [&](field::RowName name) { return names_.arrival_at(name).has_value(); };
+  if (!std::ranges::all_of(state_.cracks->arrivals, known))
+    return {"/crack_arrivals", "names a particle that is not there"};
+  const bool early = std::ranges::any_of(state_.cracks->arrival_times, [](double time) { return time < 0.0; });
+  return {"/crack_arrival_times", early ? "has a time before 0 s" : ""};
+}
+
+void StateMove::require_fit() const
+{
+  if (!misfit_.why.empty())
+    throw std::logic_error(fmt::format("a change of layout lost state: {} {}", misfit_.table, misfit_.why));
+}
+
+std::vector<double> StateMove::rows(std::span<const double> values, int components) const
+{
+  return rows_.carry(values, components);
+}
+
+void StateMove::break_bonds() const
+{
+  const int width = state_.words_per_particle;
+  if (width == 0) return;
+  if (scene_.cloud) return scene_.cloud->set_words(particles_.carry(state_.words, width));
+  with_bonds(scene_, [&](auto& bonds) {
+    for (std::size_t p = 0; p < bonds.parts().size(); ++p) {
+      std::vector<field::RowName> wanted; // the words of other ranks' particles too
+      for (const Index site : bonds.parts()[p]->word_sites())
+        wanted.push_back(names_.particle(static_cast<Index>(p), site));
+      const field::RowMove words(scene_.model->system.rows.comm, state_.particles, wanted);
+      bonds.set_words(p, words.carry(state_.words, width));
+    }
+  });
+  if (scene_.d && scene_.d->carried) scene_.d->carried->set_broken(*state_.carried);
+}
+
+field::State StateMove::moving() const
+{
+  const field::State& from = state_.moving;
+  return {rows(from.u, state_.dim), rows(from.v, state_.dim), rows(from.a, state_.dim), rows(from.held, state_.dim)};
+}
+
+std::optional<CrackNotes> StateMove::cracks() const
+{
+  if (!state_.cracks) return std::nullopt;
+  return placed(*state_.cracks, particles_.carry(state_.cracks->damage, 1), names_);
+}
+} // namespace pdx::app

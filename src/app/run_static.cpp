@@ -1,0 +1,191 @@
+#include "pdx/app/run_static.hpp"
+
+#include "pdx/app/crack_results.hpp"
+#include "pdx/app/recorder.hpp"
+#include "pdx/app/scene.hpp"
+#include "pdx/app/support.hpp"
+#include "pdx/base/events.hpp"
+#include "pdx/base/stop_signals.hpp"
+#include "pdx/solve/static_driver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace pdx::app {
+bool wants_assembled(const SceneOptions& options)
+{
+  if (!options.pd.any() || options.pd.solver == PdOperator::assembled) return true;
+  char type[64] = "";
+  PetscBool given = PETSC_FALSE;
+  PDX_CALL(PetscOptionsGetString(nullptr, nullptr, "-pc_type", type, sizeof type, &given));
+  if (!given || solve::works_matrix_free(type)) return false;
+  if (options.pd.solver == PdOperator::automatic) return true;
+  throw UserError(
+      fmt::format("-pc_type {} needs a matrix, but -pd_operator is matrix_free: use assembled, or one of mg, "
+                  "pbjacobi, jacobi, none",
+                  type));
+}
+
+namespace {
+using solve::Verdict;
+
+solve::StaticOptions steps_of(const SceneOptions& options, const Discretisation& d, bool assembled)
+{
+  solve::StaticOptions steps;
+  steps.load_steps = options.load.steps;
+  steps.assembled = assembled;
+  steps.max_passes = options.load.passes;
+  steps.max_halvings = options.load.halvings;
+  if (!d.fracture) return steps;
+  steps.max_changes =
+      std::max<std::int64_t>(1, std::llround(options.load.broken_share * static_cast<double>(d.bonds_at_start)));
+  Index family = 0; // as many particles may come off together
+  for (const auto& part : d.bonds->parts())
+    family = std::max(family, static_cast<Index>(2 * part->stencil().half.size()));
+  steps.judge = [&parts = *d.loose_parts, family] { require_support_after_breaking(parts, family); };
+  return steps;
+}
+
+/// The elements-only solution of the same scene at every local vertex, for Eq. 28.
+std::vector<double> reference_displacement(mesh::Mesh& mesh, const SceneOptions& options)
+{
+  const PauseCounts pause;
+  SceneOptions unbroken = options;
+  unbroken.fracture = {};
+  PatchPlan whole;
+  whole.body = options.mesh.box;
+  const auto d = discretise(mesh, unbroken, whole, {}, true);
+  solve::StaticDriver driver(d->system, steps_of(unbroken, *d, true));
+  const VecHandle u = d->system.rows.vector();
+  try {
+    driver.run(u.get(), [](const solve::Step&, Vec) { return Verdict::go_on; });
+  } catch (const SolverFailure& failure) {
+    throw SolverFailure(fmt::format("the elements-only reference (-post_reference_fe): {}", failure.what()));
+  }
+  mesh.uncover();
+  return d->vertex_displacement(u.get());
+}
+
+/// A scene under growing loads and what records it. The scene and its driver live for one layout; files, recorder and
+/// the path of loads outlive them.
+class StaticRun {
+public:
+  explicit StaticRun(RunFiles& files)
+      : files_(files), assembled_(wants_assembled(files.options)), layout_(Layout::given(files.options)),
+        recorder_(files)
+  {}
+
+  void run()
+  {
+    lay();
+    for (const std::string& warning : ground_->warnings()) files_.warn(warning);
+    build();
+    const std::vector<double> at_rest(2 * static_cast<std::size_t>(d_->system.halo->size()), 0.0);
+    require_contours({ground_->mesh, files_.options, ground_->plan, *d_, at_rest});
+    stop_if_told(files_.comm());
+    recorder_.built(standing());
+    drive({});
+    files_.started();
+    solve::LoadPath path = driver_->path();
+    while (load(path) == Verdict::relayout) renew();
+    recorder_.finish(driver_->report());
+  }
+
+private:
+  Standing standing() { return {&ground_->mesh, &ground_->plan, d_.get()}; }
+
+  /// The ground of the first scene, and what is solved on it before.
+  void lay()
+  {
+    const SceneOptions& options = files_.options;
+    ground_ = std::make_unique<Ground>(files_.comm(), layout_.in(options));
+    if (options.post.reference_fe) {
+      cover_cells(ground_->mesh, ground_->plan, ground_->mesh_options, options.frame); // refuses wrong patches first
+      ground_->mesh.uncover();
+      prior_.reference = reference_displacement(ground_->mesh, options);
+    }
+    ground_->lay_particles();
+    if (!options.post.energy_release) return;
+    const PauseCounts pause;
+    prior_.energy_release = energy_release(ground_->mesh, options, ground_->plan, ground_->particles, assembled_);
+    cover_cells(ground_->mesh, ground_->plan, options.mesh);
+  }
+
+  void build()
+  {
+    d_ = discretise(ground_->mesh, ground_->options, ground_->plan, std::move(ground_->particles), assembled_);
+  }
+
+  void drive(solve::StaticReport before)
+  {
+    driver_ =
+        std::make_unique<solve::StaticDriver>(d_->system, steps_of(files_.options, *d_, assembled_), std::move(before));
+    if (!u_) u_ = d_->system.rows.vector();
+  }
+
+  /// Solves until the loads end or the layout is to change.
+  Verdict load(solve::LoadPath& path)
+  {
+    try {
+      return driver_->run(u_.get(), path, [&](const solve::Step& step, Vec state) {
+        recorder_.accept(step, state, *driver_, prior_);
+        const int interval = files_.options.layout.renew_interval;
+        return interval > 0 && step.number % interval == 0 && !path.done() ? Verdict::relayout : Verdict::go_on;
+      });
+    } catch (const SolverFailure&) {
+      recorder_.count(driver_->report());
+      files_.after_failure([&] { recorder_.stopped_at(u_.get()); });
+      throw;
+    } catch (const UserError& loose) { // the steps that were accepted stay
+      recorder_.count(driver_->report());
+      files_.after_failure([&] { recorder_.stopped_at(u_.get()); });
+      files_.fail(loose.what());
+      throw;
+    } catch (const Stopped& stop) {
+      recorder_.count(driver_->report());
+      recorder_.stopped_at(u_.get());
+      const int steps = driver_->report().steps;
+      throw Stopped(fmt::format("{} after {} load step{}: results are those of the last of them", stop.what(), steps,
+                                steps == 1 ? "" : "s"));
+    }
+  }
+
+  /// The same layout, built anew: what stood before is gone, but for what it knew by name.
+  void renew()
+  {
+    static Event event("layout_change");
+    const Timed timed(event);
+    const NamedState state = capture(standing());
+    const std::vector<double> u = field::owned_values(u_.get());
+    const pd::Broken broken = d_->fracture ? d_->fracture->all() : pd::Broken{};
+    solve::StaticReport report = driver_->report();
+    driver_.reset();
+    d_.reset();
+    ground_ = std::make_unique<Ground>(files_.comm(), layout_.in(files_.options));
+    ground_->lay_particles();
+    build();
+    const StateMove move(state, standing());
+    move.require_fit();
+    move.break_bonds();
+    if (d_->fracture) d_->fracture->resume(broken);
+    u_ = d_->system.rows.vector();
+    field::set_owned_values(u_.get(), move.rows(u, state.dim));
+    recorder_.take_scene(standing(), move);
+    drive(std::move(report));
+  }
+
+  RunFiles& files_;
+  bool assembled_;
+  Layout layout_;
+  Recorder recorder_;
+  Prior prior_;
+  std::unique_ptr<Ground> ground_;
+  std::unique_ptr<Discretisation> d_;           // on ground_
+  std::unique_ptr<solve::StaticDriver> driver_; // on d_
+  VecHandle u_;
+};
+} // namespace
+
+void run_static(RunFiles& files) { StaticRun(files).run(); }
+} // namespace pdx::app

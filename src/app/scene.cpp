@@ -1,0 +1,153 @@
+#include "pdx/app/scene.hpp"
+
+#include "pdx/app/particle_warnings.hpp"
+#include "pdx/app/solid.hpp"
+#include "pdx/base/stop_signals.hpp"
+#include "pdx/solve/stable_step.hpp"
+
+namespace pdx::app {
+namespace {
+template <int Dim> StepLimits limits_of(std::span<const pd::Stencil<Dim>> stencils, const field::System& system)
+{
+  StepLimits limits{solve::stable_step(system).limit, 0.0};
+  for (const auto& stencil : stencils) {
+    const double papers = pd::papers_step(stencil);
+    limits.papers = limits.papers > 0.0 ? std::min(limits.papers, papers) : papers;
+  }
+  return limits;
+}
+
+/// Refuses what cannot be before a mesh is paid for.
+PatchPlan judged_plan(const SceneOptions& options, mesh::MeshOptions& mesh)
+{
+  PatchPlan plan = plan_patches(options, mesh);
+  if (options.pd.everywhere) require_rows(options, plan.shapes[0].lattice.count);
+  return plan;
+}
+} // namespace
+
+Ground::Ground(MPI_Comm comm, SceneOptions given)
+    : options(std::move(given)), mesh_options(options.mesh), plan(judged_plan(options, mesh_options)),
+      mesh(mesh::build(comm, mesh_options, cell_cost(plan))), swarm(comm)
+{
+  stop_if_told(comm);
+}
+
+void Ground::lay_particles()
+{
+  if (!options.pd.any()) return;
+  cover_cells(mesh, plan, mesh_options, options.frame);
+  particles = make_particles(mesh, plan, swarm);
+  stop_if_told(mesh.comm());
+}
+
+std::vector<std::string> Ground::warnings() const
+{
+  std::vector<std::string> all{correction_warning(options, plan)};
+  if (options.pd.everywhere) all.push_back(thin_warning(options, plan));
+  if (options.pd.any()) all.push_back(corner_warning(plan, mesh.bounds(), options.frame));
+  return all;
+}
+
+namespace {
+class PlaneScene final : public Scene {
+public:
+  PlaneScene(MPI_Comm comm, SceneOptions options) : ground_(comm, std::move(options))
+  {
+    ground_.lay_particles();
+    const bool assembled = ground_.options.time.analysis == Analysis::implicit_dynamics;
+    d_ = discretise(ground_.mesh, ground_.options, ground_.plan, std::move(ground_.particles), assembled);
+    stop_if_told(comm);
+  }
+  Standing standing() override { return {&ground_.mesh, &ground_.plan, d_.get()}; }
+  field::System& system() override { return d_->system; }
+  StepLimits limits() override { return limits_of<2>(ground_.plan.stencils, d_->system); }
+  std::vector<std::string> warnings() override { return ground_.warnings(); }
+
+private:
+  Ground ground_;
+  std::unique_ptr<Discretisation> d_;
+};
+
+class SolidScene final : public Scene {
+public:
+  SolidScene(MPI_Comm comm, SceneOptions given)
+      : options_(std::move(given)), mesh_options_(options_.mesh), plan_(judged(options_, mesh_options_)),
+        mesh_(mesh::build(comm, mesh_options_, cell_cost(plan_))), swarm_(comm)
+  {
+    stop_if_told(comm);
+    solid_ = discretise(comm, options_, plan_, make_particles(mesh_, plan_, swarm_));
+    stop_if_told(comm);
+  }
+  Standing standing() override { return {&mesh_, solid_.get()}; }
+  field::System& system() override { return solid_->system; }
+  StepLimits limits() override { return limits_of<3>({&plan_.stencil, 1}, solid_->system); }
+  std::vector<std::string> warnings() override { return {thin_warning(options_, plan_.lattice.count)}; }
+
+private:
+  static SolidPlan judged(const SceneOptions& options, mesh::MeshOptions& mesh)
+  {
+    SolidPlan plan = plan_solid(options, mesh);
+    require_rows(options, plan.lattice.count);
+    return plan;
+  }
+  SceneOptions options_;
+  mesh::MeshOptions mesh_options_;
+  SolidPlan plan_;
+  mesh::Mesh mesh_;
+  pd::Particles swarm_;
+  std::unique_ptr<Solid> solid_;
+};
+
+template <int Dim> class CloudScene final : public Scene {
+public:
+  CloudScene(MPI_Comm comm, SceneOptions given, const CloudPlan<Dim>& plan)
+      : options_(std::move(given)), mesh_(mesh::build(comm, plan.mesh, cell_cost(plan))), swarm_(comm)
+  {
+    stop_if_told(comm);
+    body_ = discretise(comm, options_, plan, make_particles(mesh_, plan, swarm_));
+    stop_if_told(comm);
+  }
+  Standing standing() override { return {&mesh_, body_.get()}; }
+  field::System& system() override { return body_->system; }
+  StepLimits limits() override { return limits_of<Dim>({}, body_->system); }
+  std::vector<std::string> warnings() override { return cloud_warnings(options_, *body_); }
+
+private:
+  SceneOptions options_;
+  mesh::Mesh mesh_;
+  pd::Particles swarm_;
+  std::unique_ptr<CloudBody<Dim>> body_;
+};
+
+/// The whole cloud is kept only where it is asked for again.
+template <int Dim> SceneMaker cloud_maker(MPI_Comm comm, SceneOptions& options)
+{
+  auto plan = std::make_shared<CloudPlan<Dim>>(plan_cloud<Dim>(options));
+  return [comm, &options, plan](const Layout& layout) mutable -> std::unique_ptr<Scene> {
+    auto scene = std::make_unique<CloudScene<Dim>>(comm, layout.in(options), *plan);
+    if (options.layout.renew_interval == 0) plan.reset();
+    return scene;
+  };
+}
+} // namespace
+
+SceneMaker plane_scene(MPI_Comm comm, const SceneOptions& options)
+{
+  return [comm, &options](const Layout& layout) -> std::unique_ptr<Scene> {
+    return std::make_unique<PlaneScene>(comm, layout.in(options));
+  };
+}
+
+SceneMaker solid_scene(MPI_Comm comm, const SceneOptions& options)
+{
+  return [comm, &options](const Layout& layout) -> std::unique_ptr<Scene> {
+    return std::make_unique<SolidScene>(comm, layout.in(options));
+  };
+}
+
+SceneMaker cloud_scene(MPI_Comm comm, SceneOptions& options)
+{
+  return options.solid ? cloud_maker<3>(comm, options) : cloud_maker<2>(comm, options);
+}
+} // namespace pdx::app

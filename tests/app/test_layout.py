@@ -1,0 +1,72 @@
+"""A scene whose rows, Terms and solvers are made anew while it runs ends like one that was left alone."""
+
+import program
+from torn import COUPLED, RUNNING, SHAPED, TORN, checkpoint, results
+
+import numpy as np
+
+RENEWED = {"-layout_renew_interval": "7"}
+WRITTEN = {"-output_fields": "", "-output_interval": "100", "-checkpoint_interval": "400"}
+# A block in space, with a crack through half of it.
+BLOCK = TORN | {
+    "-case": "block",
+    "-material_plane": "solid",
+    "-material_thickness": "0.006",
+    "-mesh_upper": "0.02,0.016",
+    "-pd_horizon_ratio": "2.015",
+    "-pd_micromodulus": "uniform",
+    "-crack_notch_points": "0,0.008,0.006,0.008",
+    "-ts_max_steps": "150",
+}
+
+
+class Layout(program.ProgramTest):
+    def assert_the_same(self, whole, other):
+        self.assertEqual(results(whole), results(other))
+        names = [name for name in ("checkpoint.h5", "history.csv", "fields.xdmf", "crack_path.csv") if name in whole.files]
+        for name in names:
+            self.assertEqual((whole.directory / name).read_bytes(), (other.directory / name).read_bytes(), name)
+        self.assertIn("checkpoint.h5", names)
+        self.assert_same_displacement(whole, other, tolerance=0.0)
+
+    def test_nothing_changes_to_the_last_bit(self):
+        for scene in (TORN, RUNNING, COUPLED, SHAPED, BLOCK):
+            for ranks in (1, 2, 3):
+                with self.subTest(scene["-case"], ranks=ranks):
+                    whole = self.solve(scene | WRITTEN, ranks)
+                    renewed = self.solve(scene | WRITTEN | RENEWED, ranks)
+                    self.assertGreater(whole.summary["bonds_broken"], 20)
+                    self.assertNotIn("layout_change", whole.events)
+                    self.assertEqual(renewed.events["layout_change"], (int(scene["-ts_max_steps"]) - 1) // 7)
+                    self.assert_the_same(whole, renewed)
+
+    def test_a_restart_goes_on_between_changes(self):
+        whole = self.solve(SHAPED | WRITTEN)
+        directory = self.scratch / "half"
+        self.solve(SHAPED | WRITTEN | RENEWED | {"-ts_max_steps": "200", "-checkpoint_interval": "200"}, directory=directory)
+        rest = self.solve(SHAPED | WRITTEN | RENEWED | {"-restart": str(directory / "checkpoint.h5")}, directory=directory)
+        self.assert_the_same(whole, rest)
+
+    def test_a_checkpoint_holds_names_and_layout(self):
+        run = self.solve(SHAPED | {"-ts_max_steps": "10", "-checkpoint_interval": "10"})
+        tables, _ = checkpoint(run.directory)
+        names = tables["row_names"][:, 0]
+        rows = names[names > 0]
+        unknowns = run.summary["unknowns"]
+        self.assertEqual(len(np.unique(rows)), len(rows))
+        self.assertEqual(2 * len(rows), unknowns["fe"] + unknowns["enriched"] + unknowns["pd"])
+        kinds = rows >> np.uint64(62)
+        self.assertEqual([2 * np.count_nonzero(kinds == kind) for kind in (1, 2, 3)],
+                         [unknowns["fe"], unknowns["enriched"], unknowns["pd"]])
+        self.assertEqual(tables["layout_patches"].shape, (2, 5))
+        np.testing.assert_allclose(tables["layout_patches"][:, 0], 0.025)
+        np.testing.assert_allclose(tables["layout_cracks"], [[0, 0, 0.275], [0, 0.55, 0.275]])
+
+    def test_implicit_steps_keep_their_layout(self):
+        run = self.launch(TORN | RENEWED | {"-analysis": "implicit", "-ts_dt": "1e-6", "-pd_critical_stretch": None})
+        self.assertEqual(run.status, 1, run.err)
+        self.assertIn("implicit steps keep their layout", run.err)
+
+
+if __name__ == "__main__":
+    program.main()
