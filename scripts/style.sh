@@ -40,12 +40,12 @@ changed_sources() {
 }
 
 check_tidy() {
-  local build=build/release known sources tidy
+  local build=build/tidy known sources tidy
   if ! tidy=$(command -v clang-tidy-$pinned || command -v clang-tidy); then
     echo "style: tidy is skipped: no clang-tidy here"
     return
   fi
-  [ -f $build/compile_commands.json ] || cmake --preset release -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >/dev/null
+  cmake --preset release -B $build -DPDX_BUNDLE=OFF -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >/dev/null # each source alone
   known=$(changed_sources | while read -r file; do
     if grep -qF "/$file\"" $build/compile_commands.json; then echo "$file"; fi
   done)

@@ -5,9 +5,9 @@
 
 namespace pdx::app {
 namespace {
-template <int Dim> class Conditions {
+template <int Dim> class CloudConditions {
 public:
-  Conditions(const SceneOptions& options, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body)
+  CloudConditions(const SceneOptions& options, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body)
       : options_(options), cloud_(cloud), body_(body)
   {}
 
@@ -91,7 +91,7 @@ void judge_condition(const BoundaryCondition& c)
 
 template <int Dim> void apply_conditions(const SceneOptions& options, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body)
 {
-  Conditions<Dim>(options, cloud, body).apply();
+  CloudConditions<Dim>(options, cloud, body).apply();
 }
 template void apply_conditions<2>(const SceneOptions&, const pd::Cloud<2>&, CloudBody<2>&);
 template void apply_conditions<3>(const SceneOptions&, const pd::Cloud<3>&, CloudBody<3>&);

@@ -20,9 +20,9 @@ Side side_of(const BoundaryCondition& c)
       fmt::format("-bc_{}_on is {}: a solid has left, right, bottom, top, back (z = 0) and front", c.name, c.on));
 }
 
-class Conditions {
+class SolidConditions {
 public:
-  Conditions(const SceneOptions& options, const geom::Lattice<3>& lattice, Solid& solid)
+  SolidConditions(const SceneOptions& options, const geom::Lattice<3>& lattice, Solid& solid)
       : options_(options), lattice_(lattice), solid_(solid)
   {}
 
@@ -85,6 +85,6 @@ private:
 
 void apply_conditions(const SceneOptions& options, const geom::Lattice<3>& lattice, Solid& solid)
 {
-  Conditions(options, lattice, solid).apply();
+  SolidConditions(options, lattice, solid).apply();
 }
 } // namespace pdx::app

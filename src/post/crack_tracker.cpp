@@ -6,7 +6,7 @@
 
 namespace pdx::post {
 namespace {
-constexpr double kRound = 1e-9; // of damage: sums of volumes in another order
+constexpr double kDamageRounding = 1e-9; // of damage: sums of volumes in another order
 
 std::vector<CrackStart> starts_of(std::span<const crack::Tip> tips)
 {
@@ -28,7 +28,7 @@ void CrackTracker::look(double time, std::span<const pd::Particle> particles, st
 {
   std::vector<Arrival> mine;
   for (std::size_t k = 0; k < before_.size(); ++k) {
-    if (damage[k] < threshold_ - kRound || before_[k] >= threshold_ - kRound) continue;
+    if (damage[k] < threshold_ - kDamageRounding || before_[k] >= threshold_ - kDamageRounding) continue;
     const double share = std::min(1.0, (threshold_ - before_[k]) / (damage[k] - before_[k]));
     mine.push_back({particles[k].patch, particles[k].site, time_ + share * (time - time_)});
   }

@@ -12,7 +12,7 @@ namespace {
 constexpr double kBranch = 2.0;    // horizons that a branch must be long
 constexpr double kSpan = 4.0;      // horizons over which speeds are taken
 constexpr Index kReach = 2;        // neighbours: up to two spacings along one axis and one along the other
-constexpr double kRound = 1e-6;    // of a spacing: distances this near are equal
+constexpr double kTreeRounding = 1e-6;    // of a spacing: distances this near are equal
 constexpr double kSameTime = 1e-9; // of the time itself
 } // namespace
 
@@ -40,7 +40,7 @@ CrackTree::CrackTree(std::vector<CrackStart> starts, std::vector<TreeGround> gro
 {
   for (const CrackStart& start : starts_) {
     const auto holds = [&](const TreeGround& ground) {
-      return geom::covers(ground.where, start.at, kRound * ground.where.lattice.dx);
+      return geom::covers(ground.where, start.at, kTreeRounding * ground.where.lattice.dx);
     };
     const auto found = std::ranges::find_if(grounds_, holds);
     start_ground_.push_back(found == grounds_.end() ? -1 : static_cast<int>(found - grounds_.begin()));
@@ -55,7 +55,7 @@ std::uint64_t CrackTree::key(Index patch, Index site) const
 double CrackTree::equal(const Point& point) const
 {
   const int ground = point.start < 0 ? -1 : start_ground_[static_cast<std::size_t>(point.start)];
-  return ground < 0 ? 0.0 : kRound * grounds_[static_cast<std::size_t>(ground)].where.lattice.dx;
+  return ground < 0 ? 0.0 : kTreeRounding * grounds_[static_cast<std::size_t>(ground)].where.lattice.dx;
 }
 
 double CrackTree::span(std::size_t start) const
@@ -67,7 +67,7 @@ double CrackTree::span(std::size_t start) const
 /// Points within a horizon of a start hang on it; what is behind it has a negative distance.
 void CrackTree::seed(Point& point, const TreeGround& ground)
 {
-  const double equal = kRound * ground.where.lattice.dx;
+  const double equal = kTreeRounding * ground.where.lattice.dx;
   double nearest = ground.horizon + 2.0 * ground.where.lattice.dx + 2.0 * equal;
   for (std::size_t s = 0; s < starts_.size(); ++s) {
     const Vector<2> from = point.at - starts_[s].at;
@@ -320,7 +320,7 @@ std::vector<GrownTip> CrackTree::tips() const
 
 double tip_speed(const GrownTip& tip, double span, double now, double look)
 {
-  const double least = span * (1.0 - kRound);
+  const double least = span * (1.0 - kTreeRounding);
   if (tip.path.empty() || tip.length < least) return 0.0;
   const Vector<2> end = tip.path.back().at;
   std::size_t first = tip.path.size() - 1;

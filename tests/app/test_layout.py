@@ -7,6 +7,16 @@ import numpy as np
 
 RENEWED = {"-layout_renew_interval": "7"}
 WRITTEN = {"-output_fields": "", "-output_interval": "100", "-checkpoint_interval": "400"}
+# The double cantilever beam, whose crack grows over the last of seven loads.
+GROWING = {
+    "-options_file": "cases/dcb/smoke.opts",
+    "-bc_top_displacement": "0,0.7e-6",
+    "-bc_bottom_displacement": "0,-0.7e-6",
+    "-load_steps": "7",
+    "-output_fields": "false",
+    "-output_history": "",
+    "-quiet": "",
+}
 # A block in space, with a crack through half of it.
 BLOCK = TORN | {
     "-case": "block",
@@ -39,6 +49,22 @@ class Layout(program.ProgramTest):
                     self.assertNotIn("layout_change", whole.events)
                     self.assertEqual(renewed.events["layout_change"], (int(scene["-ts_max_steps"]) - 1) // 7)
                     self.assert_the_same(whole, renewed)
+
+    def test_loads_go_on_by_the_same_passes_and_bonds(self):
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                whole = self.solve(GROWING, ranks)
+                renewed = self.solve(GROWING | {"-layout_renew_interval": "1"}, ranks)
+                self.assertGreater(whole.summary["bonds_broken"], 500)
+                self.assertEqual(renewed.events["layout_change"], 6)
+                for name in ("passes", "halvings", "solve_bonds_broken", "load_steps_accepted"):
+                    self.assertEqual(whole.summary["results"][name], renewed.summary["results"][name], name)
+                rows = list(zip(whole.history(), renewed.history(), strict=True))
+                for name in rows[0][0]:
+                    of = "reaction_top_y" if name.startswith("reaction") else name
+                    largest = max(abs(row[of]) for row, _ in rows)
+                    for row, other in rows:
+                        self.assertAlmostEqual(row[name], other[name], delta=1e-9 * largest, msg=name)
 
     def test_a_restart_goes_on_between_changes(self):
         whole = self.solve(SHAPED | WRITTEN)
