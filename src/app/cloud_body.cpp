@@ -215,6 +215,7 @@ template <int Dim> std::vector<double> CloudBody<Dim>::positions() const
   template std::vector<pd::Particle> make_particles<Dim>(const mesh::Mesh&, const CloudPlan<Dim>&, pd::Particles&)
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
+#undef PDX_INSTANTIATE
 template std::unique_ptr<CloudBody<2>> discretise<2>(MPI_Comm, const SceneOptions&, const CloudPlan<2>&,
                                                      std::vector<pd::Particle>);
 template std::unique_ptr<CloudBody<3>> discretise<3>(MPI_Comm, const SceneOptions&, const CloudPlan<3>&,

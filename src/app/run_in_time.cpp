@@ -1,6 +1,7 @@
 #include "pdx/app/run_in_time.hpp"
 
 #include "pdx/app/checkpoints.hpp"
+#include "pdx/app/load_balance.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/solve/explicit_driver.hpp"
 #include "pdx/solve/implicit_driver.hpp"
@@ -18,10 +19,9 @@ class TimeRun {
 public:
   TimeRun(RunFiles& files, const SceneMaker& make)
       : files_(files), implicit_(files.options.time.analysis == Analysis::implicit_dynamics), make_(make),
-        layout_(Layout::given(files.options)), recorder_(files), look_(files.comm())
+        layout_(Layout::given(files.options)), recorder_(files), look_(files.comm()),
+        balance_(files.comm(), files.options.layout.rebalance_threshold)
   {
-    if (implicit_ && files.options.layout.renew_interval > 0)
-      throw UserError("-layout_renew_interval: implicit steps keep their layout; use it with explicit steps or loads");
     if (!implicit_) checkpoints_.emplace(files);
     if (checkpoints_ && checkpoints_->restarted()) layout_ = *checkpoints_->restarted();
   }
@@ -33,8 +33,10 @@ public:
     recorder_.built(scene_->standing());
     if (checkpoints_) checkpoints_->begin(files_.scene, layout_, *driver_, recorder_);
     recorder_.started(*driver_, limits_);
+    balance_.begin(*driver_);
     while (step() == Verdict::relayout) renew();
     if (checkpoints_ && !checkpoints_->stopped().empty()) return stop();
+    count_changes();
     recorder_.finish(*driver_);
     if (checkpoints_) checkpoints_->finish(*driver_, recorder_);
   }
@@ -43,7 +45,7 @@ private:
   void build()
   {
     const TimeOptions& time = files_.options.time;
-    scene_ = make_(layout_);
+    scene_ = make_(layout_, costs_ ? &*costs_ : nullptr);
     limits_ = scene_->limits();
     if (implicit_)
       driver_ = std::make_unique<solve::ImplicitDriver>(scene_->system());
@@ -64,7 +66,7 @@ private:
           return Verdict::go_on;
         }
         const Verdict verdict = checkpoints_->after_step(*driver_, recorder_);
-        return verdict == Verdict::go_on && renewal_due() ? Verdict::relayout : verdict;
+        return verdict == Verdict::go_on && change_due() ? Verdict::relayout : verdict;
       });
     } catch (const Stopped& stop) {
       recorder_.stopped_at(*driver_);
@@ -77,17 +79,22 @@ private:
     }
   }
 
-  bool renewal_due() const
+  /// Is all to be made anew, and the mesh to be cut anew for it?
+  bool change_due()
   {
-    const int interval = files_.options.layout.renew_interval;
-    return interval > 0 && driver_->step() % interval == 0 && driver_->step() < driver_->expected_steps();
+    const int interval = files_.options.layout.renew_interval, step = driver_->step();
+    if (step >= driver_->expected_steps()) return false;
+    uneven_ = balance_.due(*driver_);
+    return uneven_ || (interval > 0 && step % interval == 0);
   }
 
-  /// The same layout, built anew: what stood before is gone, but for what it knew by name.
+  /// The same layout, built anew, on other ranks if that is due: what stood before is gone, but for what it knew by
+  /// name.
   void renew()
   {
     static Event event("layout_change");
     const Timed timed(event);
+    if (uneven_) costs_ = balance_.costs(files_.scene, *driver_);
     couple::BondBreaker* breaker = files_.scene.model->breaker;
     const pd::Broken broken = breaker ? breaker->mine() : pd::Broken{};
     const solve::TimeDriver::Clock clock = driver_->clock();
@@ -103,11 +110,26 @@ private:
     breaker = files_.scene.model->breaker;
     if (breaker) breaker->resume(broken);
     if (checkpoints_) checkpoints_->take_scene(files_.scene, layout_);
+    if (!uneven_) return balance_.begin(*driver_);
+    files_.progress.line(
+        fmt::format("step {}: the busiest rank had {:.2f} times the mean to do; dealt out anew, it should "
+                    "be {:.2f}",
+                    driver_->step(), balance_.imbalance(), files_.scene.mesh->quality().imbalance));
+    balance_.changed(*driver_);
+  }
+
+  void count_changes()
+  {
+    if (files_.options.layout.rebalance_threshold <= 0.0) return;
+    auto& results = files_.summary.results;
+    results["rebalances"] = balance_.changes();
+    results["imbalance"] = balance_.imbalance();
   }
 
   /// A signal ended the run, and a checkpoint was written.
   void stop()
   {
+    count_changes();
     recorder_.interrupted(*driver_);
     files_.stop(checkpoints_->stopped());
   }
@@ -119,6 +141,9 @@ private:
   TimeRecorder recorder_;
   std::optional<Checkpoints> checkpoints_;
   StopLook look_; // of implicit steps
+  LoadBalance balance_;
+  bool uneven_ = false; // the change to come is for the balance
+  std::optional<mesh::MeasuredCosts> costs_;
   std::unique_ptr<Scene> scene_;
   StepLimits limits_;
   std::unique_ptr<solve::TimeDriver> driver_; // on scene_

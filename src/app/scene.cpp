@@ -17,6 +17,12 @@ template <int Dim> StepLimits limits_of(std::span<const pd::Stencil<Dim>> stenci
   return limits;
 }
 
+mesh::Mesh cut_mesh(MPI_Comm comm, const mesh::MeshOptions& options, const mesh::CellCost& cost,
+                    const mesh::MeasuredCosts* costs)
+{
+  return costs ? mesh::build_by_costs(comm, options, *costs) : mesh::build(comm, options, cost);
+}
+
 /// Refuses what cannot be before a mesh is paid for.
 PatchPlan judged_plan(const SceneOptions& options, mesh::MeshOptions& mesh)
 {
@@ -26,9 +32,9 @@ PatchPlan judged_plan(const SceneOptions& options, mesh::MeshOptions& mesh)
 }
 } // namespace
 
-Ground::Ground(MPI_Comm comm, SceneOptions given)
+Ground::Ground(MPI_Comm comm, SceneOptions given, const mesh::MeasuredCosts* costs)
     : options(std::move(given)), mesh_options(options.mesh), plan(judged_plan(options, mesh_options)),
-      mesh(mesh::build(comm, mesh_options, cell_cost(plan))), swarm(comm)
+      mesh(cut_mesh(comm, mesh_options, cell_cost(plan), costs)), swarm(comm)
 {
   stop_if_told(comm);
 }
@@ -52,7 +58,8 @@ std::vector<std::string> Ground::warnings() const
 namespace {
 class PlaneScene final : public Scene {
 public:
-  PlaneScene(MPI_Comm comm, SceneOptions options) : ground_(comm, std::move(options))
+  PlaneScene(MPI_Comm comm, SceneOptions options, const mesh::MeasuredCosts* costs)
+      : ground_(comm, std::move(options), costs)
   {
     ground_.lay_particles();
     const bool assembled = ground_.options.time.analysis == Analysis::implicit_dynamics;
@@ -71,9 +78,9 @@ private:
 
 class SolidScene final : public Scene {
 public:
-  SolidScene(MPI_Comm comm, SceneOptions given)
+  SolidScene(MPI_Comm comm, SceneOptions given, const mesh::MeasuredCosts* costs)
       : options_(std::move(given)), mesh_options_(options_.mesh), plan_(judged(options_, mesh_options_)),
-        mesh_(mesh::build(comm, mesh_options_, cell_cost(plan_))), swarm_(comm)
+        mesh_(cut_mesh(comm, mesh_options_, cell_cost(plan_), costs)), swarm_(comm)
   {
     stop_if_told(comm);
     solid_ = discretise(comm, options_, plan_, make_particles(mesh_, plan_, swarm_));
@@ -101,8 +108,8 @@ private:
 
 template <int Dim> class CloudScene final : public Scene {
 public:
-  CloudScene(MPI_Comm comm, SceneOptions given, const CloudPlan<Dim>& plan)
-      : options_(std::move(given)), mesh_(mesh::build(comm, plan.mesh, cell_cost(plan))), swarm_(comm)
+  CloudScene(MPI_Comm comm, SceneOptions given, const CloudPlan<Dim>& plan, const mesh::MeasuredCosts* costs)
+      : options_(std::move(given)), mesh_(cut_mesh(comm, plan.mesh, cell_cost(plan), costs)), swarm_(comm)
   {
     stop_if_told(comm);
     body_ = discretise(comm, options_, plan, make_particles(mesh_, plan, swarm_));
@@ -124,25 +131,26 @@ private:
 template <int Dim> SceneMaker cloud_maker(MPI_Comm comm, SceneOptions& options)
 {
   auto plan = std::make_shared<CloudPlan<Dim>>(plan_cloud<Dim>(options));
-  return [comm, &options, plan](const Layout& layout) mutable -> std::unique_ptr<Scene> {
-    auto scene = std::make_unique<CloudScene<Dim>>(comm, layout.in(options), *plan);
-    if (options.layout.renew_interval == 0) plan.reset();
-    return scene;
-  };
+  return
+      [comm, &options, plan](const Layout& layout, const mesh::MeasuredCosts* costs) mutable -> std::unique_ptr<Scene> {
+        auto scene = std::make_unique<CloudScene<Dim>>(comm, layout.in(options), *plan, costs);
+        if (!options.layout.may_change()) plan.reset();
+        return scene;
+      };
 }
 } // namespace
 
 SceneMaker plane_scene(MPI_Comm comm, const SceneOptions& options)
 {
-  return [comm, &options](const Layout& layout) -> std::unique_ptr<Scene> {
-    return std::make_unique<PlaneScene>(comm, layout.in(options));
+  return [comm, &options](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
+    return std::make_unique<PlaneScene>(comm, layout.in(options), costs);
   };
 }
 
 SceneMaker solid_scene(MPI_Comm comm, const SceneOptions& options)
 {
-  return [comm, &options](const Layout& layout) -> std::unique_ptr<Scene> {
-    return std::make_unique<SolidScene>(comm, layout.in(options));
+  return [comm, &options](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
+    return std::make_unique<SolidScene>(comm, layout.in(options), costs);
   };
 }
 

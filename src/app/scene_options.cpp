@@ -282,6 +282,10 @@ void judge_time(const SceneOptions& s)
   if (s.time.checkpoint.any() && s.time.analysis != Analysis::explicit_dynamics)
     throw UserError(
         "-checkpoint_... and -restart are for explicit steps in time: give -analysis explicit, or drop them");
+  if (s.layout.rebalance_threshold > 0.0 && s.time.analysis != Analysis::explicit_dynamics)
+    throw UserError("-rebalance_threshold deals out the work of explicit steps: give -analysis explicit, or drop it");
+  if (s.layout.renew_interval > 0 && s.time.analysis == Analysis::implicit_dynamics)
+    throw UserError("-layout_renew_interval: implicit steps keep their layout; give -analysis explicit or static");
   if (s.time.dynamic()) {
     for (const char* name :
          {"-load_steps", "-load_halvings", "-load_passes", "-load_broken_share", "-pd_release", "-pd_release_share"})

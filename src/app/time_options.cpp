@@ -14,6 +14,8 @@
 
 namespace pdx::app {
 namespace {
+constexpr double kLeastThreshold = 1.01; // no partition is more even than that
+
 bool names_time(std::string_view word) { return word == "t" || word.starts_with("time") || word.starts_with("Time"); }
 
 /// A time and a factor a line, commas or blanks between; # begins a comment, and a first line of words is a header.
@@ -67,6 +69,14 @@ LayoutOptions LayoutOptions::read()
                                "diagnostic: steps or loads after which rows, Terms and solvers are made anew and take "
                                "their state over by name; 0: never",
                                {0.0, 1e9});
+  l.rebalance_threshold =
+      o.real("-rebalance_threshold", 0.0, "-",
+             "explicit: time of the busiest rank over the mean above which cells are dealt out anew "
+             "by what they take; 0: never",
+             Range::at_least(0.0));
+  if (l.rebalance_threshold > 0.0 && l.rebalance_threshold < kLeastThreshold)
+    throw UserError(fmt::format("-rebalance_threshold is {}: must be 0 (never) or at least {}", l.rebalance_threshold,
+                                kLeastThreshold));
   return l;
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 #include <petscdmplex.h>
+#include <unordered_map>
 
 namespace pdx::mesh {
 namespace {
@@ -120,16 +121,29 @@ SerialMesh file_mesh(MPI_Comm comm, const MeshOptions& options)
   return mesh;
 }
 
-std::vector<PetscInt> cell_costs(const MeshArrays& arrays, const CellCost& cost)
+/// What the cells of the serial mesh cost, in any order: on rank 0 all of them.
+using Costs = std::function<std::vector<int>(const MeshArrays& serial)>;
+
+Costs by_place(const CellCost& cost)
 {
-  std::vector<PetscInt> costs;
-  for (std::size_t c = 0; c < static_cast<std::size_t>(arrays.owned_cells); ++c) {
-    const auto& v = arrays.cells[c];
-    const auto corner = [&](std::size_t k) { return arrays.points[static_cast<std::size_t>(v[k])]; };
-    costs.push_back(cost ? cost({corner(0), corner(1), corner(2), corner(3)}) : 1);
-    PDX_ASSERT(costs.back() > 0);
-  }
-  return costs;
+  return [&cost](const MeshArrays& serial) {
+    std::vector<int> costs;
+    for (const auto& v : serial.cells) {
+      const auto corner = [&](std::size_t k) { return serial.points[static_cast<std::size_t>(v[k])]; };
+      costs.push_back(cost ? cost({corner(0), corner(1), corner(2), corner(3)}) : 1);
+    }
+    return costs;
+  };
+}
+
+Costs by_number(const MeasuredCosts& measured)
+{
+  return [&measured](const MeshArrays& serial) {
+    std::vector<int> costs;
+    for (const Index number : serial.natural_cell)
+      costs.push_back(measured.of_cell.at(static_cast<std::size_t>(number)));
+    return costs;
+  };
 }
 
 /// Natural numbers of the points of a mesh on one rank.
@@ -146,26 +160,42 @@ std::vector<Index> serial_numbers(DM plex)
   return natural;
 }
 
-/// The partitioner takes the number of unknowns of a cell for its weight: says the costs in such a section.
-void set_costs(const DistributedPlex& serial, const CellCost& cost)
+/// The partitioner takes the number of unknowns of a cell for its weight: says the costs in such a section, and notes
+/// them by point.
+void set_costs(DistributedPlex& serial, const Costs& cost)
 {
   MPI_Comm comm = MPI_COMM_NULL;
   PDX_CALL(PetscObjectGetComm(reinterpret_cast<PetscObject>(serial.plex.get()), &comm));
   const MeshArrays arrays = flatten(serial, {});
-  const std::vector<PetscInt> costs = cell_costs(arrays, cost);
+  const std::vector<int> costs = cost(arrays);
   constexpr double kLargestSum = 5e8; // METIS counts in 32 bits
   const double shrink = std::min(1.0, kLargestSum / std::accumulate(costs.begin(), costs.end(), 1.0));
   SectionHandle weights;
   PDX_CALL(PetscSectionCreate(comm, weights.out()));
   PDX_CALL(PetscSectionSetChart(weights.get(), 0, static_cast<PetscInt>(costs.size())));
-  for (std::size_t c = 0; c < costs.size(); ++c)
-    PDX_CALL(PetscSectionSetDof(weights.get(), arrays.natural_cell[c],
-                                std::max(1, static_cast<PetscInt>(shrink * costs[c]))));
+  serial.costs.assign(serial.natural.size(), 0);
+  for (std::size_t c = 0; c < costs.size(); ++c) {
+    PDX_ASSERT(costs[c] > 0);
+    const Index cell = arrays.natural_cell[c]; // the point, too
+    serial.costs[static_cast<std::size_t>(cell)] = costs[c];
+    PDX_CALL(PetscSectionSetDof(weights.get(), cell, std::max(1, static_cast<PetscInt>(shrink * costs[c]))));
+  }
   PDX_CALL(PetscSectionSetUp(weights.get()));
   PDX_CALL(DMSetLocalSection(serial.plex.get(), weights.get()));
 }
 
-DistributedPlex distribute(DistributedPlex serial, const char* type, const CellCost& cost)
+/// What is known by point goes where the points go.
+std::vector<int> spread(PetscSF migration, const std::vector<int>& serial, DM to)
+{
+  PetscInt points = 0;
+  PDX_CALL(DMPlexGetChart(to, nullptr, &points));
+  std::vector<int> mine(static_cast<std::size_t>(points), -1);
+  PDX_CALL(PetscSFBcastBegin(migration, MPI_INT, serial.data(), mine.data(), MPI_REPLACE));
+  PDX_CALL(PetscSFBcastEnd(migration, MPI_INT, serial.data(), mine.data(), MPI_REPLACE));
+  return mine;
+}
+
+DistributedPlex distribute(DistributedPlex serial, const char* type, const Costs& cost)
 {
   PDX_CALL(DMPlexDistributeSetDefault(serial.plex.get(), PETSC_FALSE));
   int size = 1;
@@ -178,23 +208,28 @@ DistributedPlex distribute(DistributedPlex serial, const char* type, const CellC
   PDX_CALL(DMPlexGetPartitioner(serial.plex.get(), &partitioner));
   PDX_CALL(PetscPartitionerSetType(partitioner, type));
   PDX_CALL(PetscPartitionerSetFromOptions(partitioner));
+  PDX_CALL(PetscPartitionerSetType(partitioner, type)); // the option is for the first cut
   DistributedPlex result;
   SfHandle migration;
   PDX_CALL(DMPlexDistribute(serial.plex.get(), 1, migration.out(), result.plex.out()));
   PDX_CALL(DMPlexDistributeSetDefault(result.plex.get(), PETSC_FALSE));
-  PetscInt points = 0;
-  PDX_CALL(DMPlexGetChart(result.plex.get(), nullptr, &points));
-  result.natural.assign(static_cast<std::size_t>(points), -1);
-  PDX_CALL(PetscSFBcastBegin(migration.get(), MPI_INT, serial.natural.data(), result.natural.data(), MPI_REPLACE));
-  PDX_CALL(PetscSFBcastEnd(migration.get(), MPI_INT, serial.natural.data(), result.natural.data(), MPI_REPLACE));
+  result.natural = spread(migration.get(), serial.natural, result.plex.get());
+  result.costs = spread(migration.get(), serial.costs, result.plex.get());
   return result;
 }
 
-double imbalance(MPI_Comm comm, const std::vector<PetscInt>& costs)
+/// Largest cost of a rank's own cells over the mean.
+double imbalance(MPI_Comm comm, const DistributedPlex& plex, const MeshArrays& arrays)
 {
   int size = 1;
   MPI_Comm_size(comm, &size);
-  const double mine = std::accumulate(costs.begin(), costs.end(), 0.0);
+  if (size == 1) return 1.0;
+  PetscInt cells = 0;
+  PDX_CALL(DMPlexGetHeightStratum(plex.plex.get(), 0, nullptr, &cells));
+  std::unordered_map<Index, int> cost_of;
+  for (std::size_t p = 0; p < static_cast<std::size_t>(cells); ++p) cost_of[plex.natural[p]] = plex.costs[p];
+  double mine = 0.0;
+  for (Index c = 0; c < arrays.owned_cells; ++c) mine += cost_of.at(arrays.natural_cell[static_cast<std::size_t>(c)]);
   double sum = 0.0, largest = 0.0;
   MPI_Allreduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
   MPI_Allreduce(&mine, &largest, 1, MPI_DOUBLE, MPI_MAX, comm);
@@ -246,17 +281,28 @@ double load(MPI_Comm comm, MeshOptions& options)
   return least[4];
 }
 
-Mesh build(MPI_Comm comm, const MeshOptions& given, const CellCost& cost)
+namespace {
+Mesh cut_and_flatten(MPI_Comm comm, const MeshOptions& given, const char* type, const Costs& costs)
 {
   MeshOptions options = given;
   if (!options.file.empty() && !options.list) (void)load(comm, options);
   register_metis_partitioner();
-  const char* type = partitioner_type();
   SerialMesh serial = options.file.empty() ? box_mesh(comm, options) : file_mesh(comm, options);
   std::vector<Index> natural = serial_numbers(serial.plex.get());
-  DistributedPlex distributed = distribute({std::move(serial.plex), std::move(natural)}, type, cost);
+  DistributedPlex distributed = distribute({std::move(serial.plex), std::move(natural), {}}, type, costs);
   MeshArrays arrays = flatten(distributed, serial.boundaries);
-  arrays.quality.imbalance = imbalance(comm, cell_costs(arrays, cost));
+  arrays.quality.imbalance = imbalance(comm, distributed, arrays);
   return {std::move(distributed.plex), std::move(arrays)};
+}
+} // namespace
+
+Mesh build(MPI_Comm comm, const MeshOptions& options, const CellCost& cost)
+{
+  return cut_and_flatten(comm, options, partitioner_type(), by_place(cost));
+}
+
+Mesh build_by_costs(MPI_Comm comm, const MeshOptions& options, const MeasuredCosts& costs)
+{
+  return cut_and_flatten(comm, options, "metis", by_number(costs));
 }
 } // namespace pdx::mesh

@@ -66,7 +66,7 @@ private:
 
   void take_cells()
   {
-    constexpr std::size_t kMostCells = std::numeric_limits<Index>::max() / 8; // edges and vertices are numbered too
+    constexpr std::size_t kMostInFile = std::numeric_limits<Index>::max() / 8; // edges and vertices are numbered too
     const std::vector<bool> again = repeated();
     vertex_.assign(file_.nodes.size(), -1);
     for (std::size_t c = 0; c < file_.cells.size(); ++c) {
@@ -76,9 +76,9 @@ private:
     }
     if (places_.empty())
       throw UserError(fmt::format("{} has no four-node cells: mesh the surface and save its elements", source_.name()));
-    if (places_.size() > kMostCells)
+    if (places_.size() > kMostInFile)
       throw UserError(fmt::format("{} has {} cells, more than the {} that can be numbered", source_.name(),
-                                  places_.size(), kMostCells));
+                                  places_.size(), kMostInFile));
     Index used = 0;
     for (Index& v : vertex_)
       if (v == 0) v = used++;

@@ -41,6 +41,13 @@ template <int Dim> void BondTerm<Dim>::add_residual(std::span<const double> u, s
   }
 }
 
+template <int Dim> double BondTerm<Dim>::waited() const
+{
+  double seconds = 0.0;
+  for (const auto& part : parts_) seconds += part->waited();
+  return seconds;
+}
+
 template <int Dim> std::vector<double> BondTerm<Dim>::energy_density(std::span<const double> u) const
 {
   std::vector<double> density(static_cast<std::size_t>(halo_->rows().owned()), 0.0);

@@ -188,4 +188,5 @@ std::int64_t cut_bonds(const crack::CrackSet& cracks, const WindowSites<Dim>& si
                                        std::span<const Run>, BondWords)
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
+#undef PDX_INSTANTIATE
 } // namespace pdx::pd

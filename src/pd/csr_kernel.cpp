@@ -182,4 +182,5 @@ CsrSeen add_gathered_force(Processor processor, const CsrView<Dim>& view, Kinema
                                            bool)
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
+#undef PDX_INSTANTIATE
 } // namespace pdx::pd

@@ -198,7 +198,9 @@ std::span<const double> LatticePart<Dim>::exchange(std::span<const double> owned
     PDX_CALL(PetscSFBcastBegin(halo_sf_.get(), block_type(Dim), owned.data(), halo_buffer_.data(), MPI_REPLACE));
   }
   meanwhile();
+  const double begin = MPI_Wtime();
   PDX_CALL(PetscSFBcastEnd(halo_sf_.get(), block_type(Dim), owned.data(), halo_buffer_.data(), MPI_REPLACE));
+  waited_ += MPI_Wtime() - begin;
   return halo_buffer_;
 }
 

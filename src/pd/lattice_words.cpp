@@ -348,4 +348,5 @@ template <int Dim> void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolu
   template void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolume>) const
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
+#undef PDX_INSTANTIATE
 } // namespace pdx::pd

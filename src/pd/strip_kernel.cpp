@@ -275,4 +275,5 @@ void sweep_strips(Processor processor, const StripView<Dim>& view, Kinematics ki
   template void sweep_strips<Dim>(Processor, const StripView<Dim>&, Kinematics, std::span<StripTask>, bool)
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
+#undef PDX_INSTANTIATE
 } // namespace pdx::pd

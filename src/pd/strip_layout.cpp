@@ -254,4 +254,5 @@ template <int Dim> std::vector<std::uint8_t> StripPart<Dim>::around(const std::v
   template std::vector<std::uint8_t> StripPart<Dim>::around(const std::vector<std::uint8_t>&) const
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
+#undef PDX_INSTANTIATE
 } // namespace pdx::pd

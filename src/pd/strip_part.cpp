@@ -234,4 +234,5 @@ template <int Dim> Broken StripPart<Dim>::break_bonds(field::ForceLosses* losses
   template Broken StripPart<Dim>::break_bonds(field::ForceLosses*)
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
+#undef PDX_INSTANTIATE
 } // namespace pdx::pd

@@ -9,11 +9,11 @@
 
 namespace pdx::post {
 namespace {
-constexpr double kBranch = 2.0;    // horizons that a branch must be long
-constexpr double kSpan = 4.0;      // horizons over which speeds are taken
-constexpr Index kReach = 2;        // neighbours: up to two spacings along one axis and one along the other
-constexpr double kTreeRounding = 1e-6;    // of a spacing: distances this near are equal
-constexpr double kSameTime = 1e-9; // of the time itself
+constexpr double kBranch = 2.0;        // horizons that a branch must be long
+constexpr double kSpan = 4.0;          // horizons over which speeds are taken
+constexpr Index kReach = 2;            // neighbours: up to two spacings along one axis and one along the other
+constexpr double kTreeRounding = 1e-6; // of a spacing: distances this near are equal
+constexpr double kSameTime = 1e-9;     // of the time itself
 } // namespace
 
 /// Points that grow together when they come in from the farthest to the nearest; each group knows its farthest.

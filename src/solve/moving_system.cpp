@@ -69,7 +69,14 @@ void MovingSystem::unbalanced(double time, std::span<double> f)
 {
   system.halo->refresh(u);
   std::ranges::fill(f, 0.0);
-  for (const auto& term : system.terms) term->add_residual(u, f);
+  spent_.resize(system.terms.size(), 0.0);
+  double begin = MPI_Wtime();
+  for (std::size_t k = 0; k < spent_.size(); ++k) {
+    system.terms[k]->add_residual(u, f);
+    const double end = MPI_Wtime();
+    spent_[k] += end - begin;
+    begin = end;
+  }
   const auto& held = system.prescribed.components;
   for (std::size_t k = 0; k < held.size(); ++k) held_[k] = f[static_cast<std::size_t>(held[k])];
   for (const Loose& half : loose_) held_[half.held] -= f[half.set] / half.factor; // that of the near half alone
@@ -77,6 +84,13 @@ void MovingSystem::unbalanced(double time, std::span<double> f)
   for (const Load& load : loads_)
     for (std::size_t k = 0; k < load.force.size(); ++k)
       f[static_cast<std::size_t>(load.drive->components[k])] -= load.force[k];
+}
+
+std::vector<double> MovingSystem::busy() const
+{
+  std::vector<double> seconds = spent_;
+  for (std::size_t k = 0; k < seconds.size(); ++k) seconds[k] -= system.terms[k]->waited();
+  return seconds;
 }
 
 void MovingSystem::load_at(double time)

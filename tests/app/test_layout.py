@@ -88,6 +88,33 @@ class Layout(program.ProgramTest):
         np.testing.assert_allclose(tables["layout_patches"][:, 0], 0.025)
         np.testing.assert_allclose(tables["layout_cracks"], [[0, 0, 0.275], [0, 0.55, 0.275]])
 
+    def test_a_skewed_load_is_dealt_out_anew(self):
+        # All particles in the lower half of the cells, which one rank has at first.
+        skewed = COUPLED | {
+            "-case": "skewed",
+            "-mesh_cells": "40,20",
+            "-pd_patches": "0.2,0.05,0.8,0.15",
+            "-pd_spacing": "0.00625",
+            "-crack_notch_points": "0,0.1125,0.45,0.1125",
+            "-petscpartitioner_type": "simple",
+            "-ts_max_steps": "600",
+            "-checkpoint_interval": "600",
+        }
+        for ranks in (2, 3):
+            with self.subTest(ranks=ranks):
+                left = self.solve(skewed, ranks)
+                dealt = self.solve(skewed | {"-rebalance_threshold": "1.3"}, ranks)
+                particles = left.summary["partition"]["particles_per_rank"]
+                self.assertEqual(max(particles), sum(particles))
+                self.assertGreaterEqual(dealt.summary["results"]["rebalances"], 1)
+                self.assertLess(dealt.summary["partition"]["imbalance"], 1.1)
+                self.assertGreater(left.summary["bonds_broken"], 100)
+                (a, numbers), (b, other_numbers) = checkpoint(left.directory), checkpoint(dealt.directory)
+                for name in ("bond_words", "broken_carried_bonds", "row_names"):
+                    np.testing.assert_array_equal(a[name], b[name], name)
+                for name in ("displacement", "velocity"):
+                    self.assertLessEqual(np.abs(a[name] - b[name]).max(), 1e-12 * np.abs(a[name]).max(), name)
+
     def test_implicit_steps_keep_their_layout(self):
         run = self.launch(TORN | RENEWED | {"-analysis": "implicit", "-ts_dt": "1e-6", "-pd_critical_stretch": None})
         self.assertEqual(run.status, 1, run.err)

@@ -15,7 +15,8 @@ struct Ground {
   std::vector<pd::Particle> particles; ///< none before `lay_particles`
 
   /// Throws UserError for what does not fit. Collective.
-  Ground(MPI_Comm comm, SceneOptions given);
+  /// @param costs by which the mesh is cut; null: by what cells hold
+  Ground(MPI_Comm comm, SceneOptions given, const mesh::MeasuredCosts* costs = nullptr);
   Ground(const Ground&) = delete;
   Ground& operator=(const Ground&) = delete;
   /// Covers cells and fills the patches, where there are any. Collective.
@@ -33,8 +34,9 @@ public:
   virtual std::vector<std::string> warnings() { return {}; }
 };
 
-/// Makes a scene for a layout. Collective. Throws UserError for what does not fit, Stopped when a signal came.
-using SceneMaker = std::function<std::unique_ptr<Scene>(const Layout& layout)>;
+/// Makes a scene for a layout, its mesh cut by measured costs if there are any. Collective. Throws UserError for what
+/// does not fit, Stopped when a signal came.
+using SceneMaker = std::function<std::unique_ptr<Scene>(const Layout& layout, const mesh::MeasuredCosts* costs)>;
 
 SceneMaker plane_scene(MPI_Comm comm, const SceneOptions& options);
 SceneMaker solid_scene(MPI_Comm comm, const SceneOptions& options);

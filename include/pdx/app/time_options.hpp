@@ -25,7 +25,9 @@ struct CheckpointOptions {
 /// When a scene changes its layout.
 struct LayoutOptions {
   int renew_interval = 0; ///< steps after which all is built anew as it was, to show that it changes nothing; 0: never
+  double rebalance_threshold = 0.0; ///< busiest rank over the mean, above which cells are dealt out anew; 0: never
 
+  bool may_change() const { return renew_interval > 0 || rebalance_threshold > 0.0; }
   static LayoutOptions read();
 };
 

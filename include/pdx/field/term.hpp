@@ -18,6 +18,8 @@ public:
   /// r += internal force [N] of the owned rows at displacement u [m].
   /// @param u halo.size() * dim   @param r owned * dim
   virtual void add_residual(std::span<const double> u, std::span<double> r) const = 0;
+  /// Time that `add_residual` has spent waiting for other ranks [s].
+  virtual double waited() const { return 0.0; }
   /// Strain energy of what this rank counts as its own [J]; the sum over ranks is the Term's energy.
   virtual double energy(std::span<const double> u) const = 0;
 

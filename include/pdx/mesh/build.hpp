@@ -30,6 +30,13 @@ using CellCost = std::function<int(const std::array<Vector<2>, 4>&)>;
 /// Throws UserError, alike on every rank, for a missing or broken file, triangles, or zero cells.
 Mesh build(MPI_Comm comm, const MeshOptions& options, const CellCost& cost);
 
+/// Costs of the cells as they were measured, above 0, by natural number; on rank 0 only.
+struct MeasuredCosts {
+  std::vector<int> of_cell;
+};
+/// The same mesh cut anew by measured costs, by METIS whatever cut it at first. Collective.
+Mesh build_by_costs(MPI_Comm comm, const MeshOptions& options, const MeasuredCosts& costs);
+
 /// Registers the PetscPartitioner type "metis" (idempotent). Collective.
 void register_metis_partitioner();
 } // namespace pdx::mesh

@@ -9,6 +9,7 @@ inline constexpr const char* kBoundaryLabel = "pdx_boundary";
 struct DistributedPlex {
   DmHandle plex;
   std::vector<Index> natural; ///< per local point: number of the cell, or of the vertex, in the serial mesh
+  std::vector<int> costs;     ///< per local point, of cells; empty on a single rank
 };
 
 /// Takes flat arrays from the plex; all but quality.imbalance is filled in. Collective.

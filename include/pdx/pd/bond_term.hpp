@@ -14,6 +14,7 @@ public:
   void needed_rows(std::vector<PetscInt>& rows) const override;
   void bind(const field::RowHalo& halo) override;
   void add_residual(std::span<const double> u, std::span<double> r) const override;
+  double waited() const override;
   double energy(std::span<const double> u) const override;
   void linearise(std::span<const double> u) override;
   void couplings(field::Couplings& couplings, bool whole) const override;

@@ -73,6 +73,7 @@ public:
   /// Fetches the halo and runs `meanwhile` while it travels. Collective.
   /// @return rows of Dim in the order of `halo_at`, good until the next exchange; nothing on a single rank
   std::span<const double> exchange(std::span<const double> owned, const std::function<void()>& meanwhile) const;
+  double waited() const { return waited_; }                            ///< for halos to come [s]
   std::span<const std::ptrdiff_t> halo_at() const { return halo_at_; } ///< window index per halo site
   const Site<Dim>& extent() const { return extent_; }                  ///< sites of the window, padding included
   std::span<const Run> particle_runs() const { return segments_; }     ///< owned particles; their kind says nothing
@@ -193,6 +194,7 @@ private:
   std::vector<std::ptrdiff_t> halo_at_;
   SfHandle halo_sf_;
   mutable std::vector<double> halo_buffer_;
+  mutable double waited_ = 0.0;
 };
 
 template <int Dim> std::ptrdiff_t LatticePart<Dim>::at(const Site<Dim>& site) const

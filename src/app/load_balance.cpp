@@ -1,0 +1,91 @@
+#include "pdx/app/load_balance.hpp"
+
+#include "pdx/base/exchange.hpp"
+#include "pdx/base/gather.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace pdx::app {
+namespace {
+constexpr double kMostCost = 1e7; // ns a step that a cell may be said to take
+
+struct CellTime {
+  Index cell; ///< natural number
+  int cost;   ///< [ns]
+};
+
+/// Does the work of a Term lie in elements? Else particles have it, carried bonds and clouds included.
+bool is_of_elements(const Standing& scene, const field::Term& term)
+{
+  return scene.d && (&term == scene.d->elements || &term == scene.d->cut_elements);
+}
+} // namespace
+
+bool LoadBalance::due(const solve::TimeDriver& driver)
+{
+  if (threshold_ <= 0.0 || driver.step() < since_ + interval_) return false;
+  before_ = std::move(now_);
+  now_ = driver.moving().busy();
+  before_.resize(now_.size(), 0.0);
+  const double time =
+      std::accumulate(now_.begin(), now_.end(), 0.0) - std::accumulate(before_.begin(), before_.end(), 0.0);
+  double most = time, sum = time;
+  int ranks = 1;
+  MPI_Comm_size(comm_, &ranks);
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_);
+  imbalance_ = sum > 0.0 ? most * ranks / sum : 1.0;
+  steps_ = driver.step() - since_;
+  since_ = driver.step();
+  return imbalance_ > threshold_;
+}
+
+mesh::MeasuredCosts LoadBalance::costs(const Standing& scene, const solve::TimeDriver& driver) const
+{
+  const mesh::Mesh& mesh = *scene.mesh;
+  const field::System& system = driver.moving().system;
+  double elements = 0.0, particles = 0.0; // this rank's time [ns a step]
+  for (std::size_t k = 0; k < now_.size(); ++k)
+    (is_of_elements(scene, *system.terms[k]) ? elements : particles) += 1e9 * (now_[k] - before_[k]) / steps_;
+
+  std::vector<double> cost(static_cast<std::size_t>(mesh.owned_cells()), 0.0);
+  const auto is_element = [&](Index c) { return scene.d && mesh.use(c) != mesh::Use::covered; };
+  double cells = 0.0;
+  for (Index c = 0; c < mesh.owned_cells(); ++c) cells += is_element(c);
+  for (Index c = 0; c < mesh.owned_cells(); ++c)
+    if (is_element(c)) cost[static_cast<std::size_t>(c)] = elements / cells;
+  for (const pd::Particle& p : scene.model->particles)
+    cost[static_cast<std::size_t>(p.cell)] += particles / static_cast<double>(scene.model->particles.size());
+
+  Parcels<CellTime> out;
+  int ranks = 1, rank = 0;
+  MPI_Comm_size(comm_, &ranks);
+  MPI_Comm_rank(comm_, &rank);
+  out.counts.assign(static_cast<std::size_t>(ranks), 0);
+  out.counts[0] = mesh.owned_cells();
+  for (Index c = 0; c < mesh.owned_cells(); ++c)
+    out.records.push_back({mesh.natural_cell(c), static_cast<int>(std::clamp(
+                                                     std::round(cost[static_cast<std::size_t>(c)]), 1.0, kMostCost))});
+  mesh::MeasuredCosts all;
+  if (rank == 0) all.of_cell.assign(static_cast<std::size_t>(mesh.global_cells()), 1);
+  for (const CellTime& time : exchange(comm_, out).records)
+    all.of_cell[static_cast<std::size_t>(time.cell)] = time.cost;
+  return all;
+}
+
+void LoadBalance::changed(const solve::TimeDriver& driver)
+{
+  ++changes_;
+  interval_ *= 2;
+  begin(driver);
+}
+
+void LoadBalance::begin(const solve::TimeDriver& driver)
+{
+  since_ = driver.step();
+  before_.clear();
+  now_ = driver.moving().busy();
+}
+} // namespace pdx::app
