@@ -2,10 +2,10 @@
 
 #include "pdx/geom/clip.hpp"
 #include "pdx/law/fracture.hpp"
-#include "pdx/post/crack_growth.hpp"
 #include "pdx/post/domain_j.hpp"
 #include "pdx/post/nonlocal_j.hpp"
 #include "pdx/solve/static_driver.hpp"
+#include "pdx/track/crack_growth.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -195,7 +195,7 @@ CrackState crack_state(const Discretisation& d)
   state.farthest_broken.assign(tips, 0.0);
   for (int k = 0; k < d.cracks.size(); ++k) state.length += length_inside(d, k);
   if (!d.bonds) return state;
-  for (const post::TipGrowth& growth : post::crack_growth(d.system.rows.comm, d.bonds->parts(), d.cracks, &d.seams)) {
+  for (const track::TipGrowth& growth : track::crack_growth(d.system.rows.comm, d.bonds->parts(), d.cracks, &d.seams)) {
     state.first_intact[growth.tip] = growth.first_intact;
     state.farthest_broken[growth.tip] = growth.farthest_broken;
     state.length += growth.farthest_broken;

@@ -16,9 +16,9 @@ geom::Lattice<2> plane_of(const geom::Lattice<3>& lattice)
   return {lattice.origin.head<2>(), lattice.dx, {lattice.count[0], lattice.count[1]}};
 }
 
-std::vector<post::TreeGround> grounds_of(const Standing& scene)
+std::vector<track::TreeGround> grounds_of(const Standing& scene)
 {
-  std::vector<post::TreeGround> grounds;
+  std::vector<track::TreeGround> grounds;
   if (scene.solid) {
     const pd::LatticePart<3>& part = *scene.solid->bonds->parts()[0];
     return {{plane_of(part.lattice()), part.stencil().horizon}};
@@ -44,7 +44,7 @@ nlohmann::ordered_json place(const geom::Frame& frame, const Vector<2>& x)
   return {given[0], given[1]};
 }
 
-nlohmann::ordered_json describe(const post::GrownTip& tip, const crack::Tip& from, const geom::Frame& frame)
+nlohmann::ordered_json describe(const track::GrownTip& tip, const crack::Tip& from, const geom::Frame& frame)
 {
   nlohmann::ordered_json entry;
   entry["start"] = place(frame, from.at);
@@ -86,7 +86,7 @@ void CrackWatch::columns(std::vector<io::Column>& columns)
 
 void CrackWatch::row(std::vector<double>& row) const
 {
-  const post::CrackNow& now = tracker_.now();
+  const track::CrackNow& now = tracker_.now();
   row.insert(row.end(), {given_ + now.grown, now.speed, static_cast<double>(now.tips)});
 }
 
@@ -134,14 +134,14 @@ void CrackWatch::take_notes(CrackNotes notes)
 void CrackWatch::write_results(nlohmann::ordered_json& results) const
 {
   const std::span<const crack::Tip> given = files_.scene.model->cracks.tips();
-  const post::CrackTree& tree = tracker_.tree();
+  const track::CrackTree& tree = tracker_.tree();
   const double limit = law::rayleigh_speed(files_.options.elastic);
   const geom::Frame& frame = files_.options.frame;
   nlohmann::ordered_json table = nlohmann::ordered_json::array();
-  const post::GrownTip* longest = nullptr;
-  const post::PathPoint* branch = nullptr;
-  const std::vector<post::GrownTip> tips = tree.tips();
-  for (const post::GrownTip& tip : tips) {
+  const track::GrownTip* longest = nullptr;
+  const track::PathPoint* branch = nullptr;
+  const std::vector<track::GrownTip> tips = tree.tips();
+  for (const track::GrownTip& tip : tips) {
     results["crack_tips"].push_back(place(frame, tip.at));
     table.push_back(describe(tip, given[tip.start], frame));
     if (!tip.path.empty() && (!longest || tip.length > longest->length)) longest = &tip;
@@ -162,11 +162,11 @@ void CrackWatch::write_results(nlohmann::ordered_json& results) const
 
 void CrackWatch::write_paths() const
 {
-  const std::vector<post::GrownTip> tips = tracker_.tree().tips();
+  const std::vector<track::GrownTip> tips = tracker_.tree().tips();
   io::Curve curve(files_.comm(), std::filesystem::path(files_.options.output.directory) / "crack_path.csv",
                   {{"tip", "-"}, {"time", "s"}, {"x", "m"}, {"y", "m"}});
   for (std::size_t t = 0; t < tips.size(); ++t)
-    for (const post::PathPoint& point : tips[t].path) {
+    for (const track::PathPoint& point : tips[t].path) {
       const Vector<2> at = files_.options.frame.given<2>(point.at);
       curve.row(std::vector<double>{static_cast<double>(t + 1), point.time, at[0], at[1]});
     }

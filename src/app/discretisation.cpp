@@ -3,7 +3,7 @@
 #include "pdx/app/apply_conditions.hpp"
 #include "pdx/app/support.hpp"
 #include "pdx/base/gather.hpp"
-#include "pdx/couple/coarse_mesh.hpp"
+#include "pdx/coarse/coarse_mesh.hpp"
 #include "pdx/couple/seams.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 
@@ -242,9 +242,9 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   }
   if (assembled || !d.bonds || options.time.dynamic()) return result;
 
-  couple::FineRows fine{d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
+  coarse::FineRows fine{d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
   fine.breakable = d.fracture || !d.cracks.empty() || !d.seams.empty();
-  system.coarse = std::make_unique<couple::CoarseMesh>(
+  system.coarse = std::make_unique<coarse::CoarseMesh>(
       fem::ElasticBody{mesh, options.elastic, options.element_kinematics()}, *d.node_field, fine, system);
   return result;
 }

@@ -40,9 +40,9 @@ std::vector<std::uint64_t> words_of(const Standing& scene)
 
 NamedCracks named(const CrackNotes& notes, const SceneNames& names)
 {
-  const post::CrackTracker::State& tracker = notes.tracker;
+  const track::CrackTracker::State& tracker = notes.tracker;
   NamedCracks cracks{notes.bonds_broken, tracker.time, tracker.largest_speed, {}, {}, tracker.per_look, {}};
-  for (const post::Arrival& arrival : tracker.arrivals) {
+  for (const track::Arrival& arrival : tracker.arrivals) {
     cracks.arrivals.push_back(names.arrival(arrival.patch, arrival.site));
     cracks.arrival_times.push_back(arrival.time);
   }

@@ -1,12 +1,12 @@
 #pragma once
 #include "pdx/app/run_files.hpp"
-#include "pdx/post/crack_tracker.hpp"
+#include "pdx/track/crack_tracker.hpp"
 
 namespace pdx::app {
 /// All that a CrackWatch goes on from.
 struct CrackNotes {
   std::int64_t bonds_broken = 0; ///< at the last look
-  post::CrackTracker::State tracker;
+  track::CrackTracker::State tracker;
 };
 
 /// The cracks of a scene in time, those of a solid as its middle layer shows them: columns of history.csv, results, and
@@ -32,7 +32,7 @@ private:
   void look_at_layer(double time);
 
   const RunFiles& files_;
-  post::CrackTracker tracker_;
+  track::CrackTracker tracker_;
   double given_ = 0.0;       ///< length of the cracks at the start [m]
   std::int64_t broken_ = -1; // at the last look; -1 before the first
 };

@@ -1,17 +1,17 @@
-#include "pdx/couple/patch_grid.hpp"
+#include "pdx/coarse/patch_grid.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <stdexcept>
 
-namespace pdx::couple {
+namespace pdx::coarse {
 namespace {
 constexpr double kFreeCell = 4.0;   // width of a cell without elements around the patch, in spacings
 constexpr double kWidestCell = 5.5; // elements wider than that are divided
 } // namespace
 
-PatchGrid::PatchGrid(const pd::LatticePart<2>& part, const Surroundings& around) : part_(part), around_(around)
+PatchGrid::PatchGrid(const pd::LatticePart<2>& part, const couple::Surroundings& around) : part_(part), around_(around)
 {
   const double dx = part.lattice().dx;
   double width = kFreeCell * dx;
@@ -34,7 +34,7 @@ PatchGrid::PatchGrid(const pd::LatticePart<2>& part, const Surroundings& around)
 
 void PatchGrid::divide(std::size_t d, double width)
 {
-  const PatchShape& shape = around_.shape();
+  const couple::PatchShape& shape = around_.shape();
   const double dx = part_.lattice().dx;
   std::set<Index> ends{0, part_.lattice().count[d]};
   for (const geom::StraightSide& side : geom::straight_sides(part_.active()))
@@ -95,7 +95,7 @@ Vector<2> PatchGrid::point(Index node) const
           axes_[1].lines[static_cast<std::size_t>(node / (cells_[0] + 1))]};
 }
 
-Host PatchGrid::host(Index node, const Vector<2>& x) const
+couple::Host PatchGrid::host(Index node, const Vector<2>& x) const
 {
   const Vector<2> at = point(node);
   return *around_.edge_host(at, x - at);
@@ -129,4 +129,4 @@ std::array<double, 4> PatchGrid::weights(Index cell, const Vector<2>& x) const
   const Vector<2> t = (x - point(corners(cell)[0])).array() / size_of(kind(cell)).array();
   return {(1.0 - t[0]) * (1.0 - t[1]), t[0] * (1.0 - t[1]), t[0] * t[1], (1.0 - t[0]) * t[1]};
 }
-} // namespace pdx::couple
+} // namespace pdx::coarse

@@ -1,4 +1,4 @@
-#include "pdx/couple/coarse_mesh.hpp"
+#include "pdx/coarse/coarse_mesh.hpp"
 
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace pdx::couple {
+namespace pdx::coarse {
 namespace {
 /// A coarse component is held when prescribed particles have at least this share of the weight that leans on it: a
 /// layer of a horizon holds the nodes at its inner border, which lean on it by half.
@@ -27,7 +27,7 @@ fem::Corners rectangle(const Vector<2>& size)
 }
 } // namespace
 
-CoarseMesh::CoarseMesh(fem::ElasticBody body, const NodeField& node_field, const FineRows& fine,
+CoarseMesh::CoarseMesh(fem::ElasticBody body, const couple::NodeField& node_field, const FineRows& fine,
                        const field::System& system)
     : body_(body), node_field_(node_field), fine_(fine), system_(system)
 {
@@ -104,7 +104,7 @@ void CoarseMesh::sort_cells()
     } else {
       const auto [first, end] = support_->in_cell(static_cast<Index>(number));
       for (std::size_t k = first; k < end; ++k) {
-        const CellParticle& particle = support_->particles()[k];
+        const couple::CellParticle& particle = support_->particles()[k];
         std::array<Corner, 4> corners;
         for (std::size_t a = 0; a < 4; ++a) corners[a] = corner(patch, nodes[a], particle.site, particle.x);
         const auto same = std::ranges::find(groups, corners, &std::pair<std::array<Corner, 4>, double>::first);
@@ -269,4 +269,4 @@ MatHandle CoarseMesh::assemble(std::span<const double> u)
   return matrix;
 }
 
-} // namespace pdx::couple
+} // namespace pdx::coarse

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace pdx::post {
+namespace pdx::track {
 /// A particle that damage has reached, and when.
 struct Arrival {
   Index patch = 0, site = 0;
@@ -118,4 +118,4 @@ private:
 /// down to what it would have if it went on now.
 /// @param span four horizons [m]  @param now, look: time, and time between looks [s]
 double tip_speed(const GrownTip& tip, double span, double now, double look);
-} // namespace pdx::post
+} // namespace pdx::track

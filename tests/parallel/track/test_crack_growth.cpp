@@ -1,4 +1,4 @@
-#include "pdx/post/crack_growth.hpp"
+#include "pdx/track/crack_growth.hpp"
 #include "support/bare_patch.hpp"
 
 #include <gtest/gtest.h>
@@ -19,11 +19,11 @@ int owner(Index site)
 
 crack::CrackSet one_crack(const Vector<2>& from, const Vector<2>& to) { return crack::CrackSet({{from, to}}, kBody); }
 
-std::vector<post::TipGrowth> growth(const crack::CrackSet& given, const crack::CrackSet& grown)
+std::vector<track::TipGrowth> growth(const crack::CrackSet& given, const crack::CrackSet& grown)
 {
   const test::BarePatch patch(PETSC_COMM_WORLD, kLattice, 2.0, owner);
   patch.cut(grown);
-  return post::crack_growth(patch.comm, patch.parts, given);
+  return track::crack_growth(patch.comm, patch.parts, given);
 }
 } // namespace
 
@@ -64,7 +64,7 @@ TEST(CrackGrowth, OfFacingTipsIsEachItsOwn)
 TEST(CrackGrowth, IsTakenAtBothTipsOfAnInnerCrack)
 {
   const auto given = one_crack({6.25, 4.0}, {8.75, 4.0}), grown = one_crack({3.25, 4.0}, {10.75, 4.0});
-  for (const post::TipGrowth& found : growth(given, grown)) {
+  for (const track::TipGrowth& found : growth(given, grown)) {
     const bool last = given.tips()[found.tip].last;
     EXPECT_NEAR(found.first_intact, last ? 11.0 - 8.75 : 6.25 - 3.0, 1e-12);
     EXPECT_NEAR(found.farthest_broken, last ? 10.5 - 8.75 : 6.25 - 3.5, 1e-12);

@@ -1,6 +1,6 @@
 #pragma once
+#include "pdx/coarse/patch_grid.hpp"
 #include "pdx/couple/node_field.hpp"
-#include "pdx/couple/patch_grid.hpp"
 #include "pdx/couple/support_parts.hpp"
 #include "pdx/fem/assembly.hpp"
 #include "pdx/field/coarse_space.hpp"
@@ -9,14 +9,14 @@
 
 #include <map>
 
-namespace pdx::couple {
+namespace pdx::coarse {
 /// What the rows of a scene are. All that is pointed to must outlive the coarse level.
 struct FineRows {
   std::span<const PetscInt> node_rows;      ///< global row of every local vertex, -1 under a patch
   const xfem::EnrichedSets* sets = nullptr; ///< null without cracks
   std::span<const std::unique_ptr<pd::LatticePart<2>>> parts;
-  std::span<const Surroundings> around; ///< of the parts
-  bool breakable = false;               ///< bonds of the parts may be missing inside a patch
+  std::span<const couple::Surroundings> around; ///< of the parts
+  bool breakable = false;                       ///< bonds of the parts may be missing inside a patch
 };
 
 /// The coarse level of a scene: the elements as they are, their nodes coarse rows themselves and their enriched sets
@@ -26,7 +26,8 @@ struct FineRows {
 class CoarseMesh final : public field::CoarseSpace {
 public:
   /// Collective.
-  CoarseMesh(fem::ElasticBody body, const NodeField& node_field, const FineRows& fine, const field::System& system);
+  CoarseMesh(fem::ElasticBody body, const couple::NodeField& node_field, const FineRows& fine,
+             const field::System& system);
 
   const field::RowHalo& halo() const override { return *halo_; }
   const field::Interpolation& interpolation() const override { return interpolation_; }
@@ -82,7 +83,7 @@ private:
   void add_springs(field::BlockAdder& adder) const;
 
   fem::ElasticBody body_;
-  const NodeField& node_field_;
+  const couple::NodeField& node_field_;
   FineRows fine_;
   const field::System& system_;
   std::vector<PatchGrid> grids_;
@@ -92,7 +93,7 @@ private:
   std::vector<Index> cut_;                         // likewise cut cells
   std::vector<GridCell> cells_;                    // ordered by patch and cell
   std::vector<std::vector<Index>> place_;          // per patch and cell: number in cells_, -1
-  std::unique_ptr<SupportParts> support_;          // null if nothing breaks
+  std::unique_ptr<couple::SupportParts> support_;  // null if nothing breaks
   std::map<PetscInt, SetRecord> sets_;             // by fine row of the set
 
   field::Rows rows_; // FE nodes, far sides of sets, owned nodes of the grids, then further parts
@@ -109,4 +110,4 @@ private:
   std::vector<std::uint8_t> held_; // per component of every local coarse row
   std::vector<double> leaning_;    // per component of owned coarse rows: weight of prescribed particles
 };
-} // namespace pdx::couple
+} // namespace pdx::coarse

@@ -1,10 +1,10 @@
-#include "pdx/post/crack_tracker.hpp"
+#include "pdx/track/crack_tracker.hpp"
 
 #include "pdx/base/gather.hpp"
 
 #include <algorithm>
 
-namespace pdx::post {
+namespace pdx::track {
 namespace {
 constexpr double kDamageRounding = 1e-9; // of damage: sums of volumes in another order
 
@@ -74,4 +74,4 @@ void CrackTracker::judge(double time)
   largest_speed_ = std::max(largest_speed_, now_.speed);
   time_ = time;
 }
-} // namespace pdx::post
+} // namespace pdx::track

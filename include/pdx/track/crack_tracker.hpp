@@ -2,11 +2,11 @@
 #include "pdx/crack/crack_set.hpp"
 #include "pdx/law/elastic.hpp"
 #include "pdx/pd/particles.hpp"
-#include "pdx/post/crack_tree.hpp"
+#include "pdx/track/crack_tree.hpp"
 
 #include <mpi.h>
 
-namespace pdx::post {
+namespace pdx::track {
 /// What the tracker saw at its last look, all ranks alike.
 struct CrackNow {
   double grown = 0.0; ///< length of all tips and branches, from the given cracks on [m]
@@ -62,4 +62,4 @@ private:
   std::vector<GrownTip> tips_; // at the last look that saw something new
   double largest_speed_ = 0.0;
 };
-} // namespace pdx::post
+} // namespace pdx::track

@@ -2,7 +2,7 @@
 #include "pdx/crack/crack_set.hpp"
 #include "pdx/pd/lattice_part.hpp"
 
-namespace pdx::post {
+namespace pdx::track {
 /// How far the crack has grown from a tip inside a patch, straight on: distances from the tip, along its direction, to
 /// where bonds cross its prolongation. In a straight grown crack the two are a few spacings apart.
 struct TipGrowth {
@@ -17,4 +17,4 @@ struct TipGrowth {
 /// it. Collective; `parts` are those of a pd::BondTerm, in the same order on every rank.
 std::vector<TipGrowth> crack_growth(MPI_Comm comm, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
                                     const crack::CrackSet& cracks, const crack::CrackSet* seams = nullptr);
-} // namespace pdx::post
+} // namespace pdx::track

@@ -1,4 +1,4 @@
-#include "pdx/post/crack_tracker.hpp"
+#include "pdx/track/crack_tracker.hpp"
 
 #include "pdx/base/petsc.hpp"
 
@@ -33,20 +33,20 @@ std::vector<pd::Particle> particles(MPI_Comm comm)
   return mine;
 }
 
-post::CrackTracker fresh(MPI_Comm comm)
+track::CrackTracker fresh(MPI_Comm comm)
 {
   const crack::CrackSet cracks({{{0.0, 0.0}, {10.0, 0.0}}}, kBody);
   return {comm, cracks.tips(), {{kLattice, kHorizon}}, 0.35};
 }
 
 /// Looks at steps up to 20; at step `restart` a new tracker goes on from the state of the first.
-post::CrackTracker run(MPI_Comm comm, int restart = -1)
+track::CrackTracker run(MPI_Comm comm, int restart = -1)
 {
-  post::CrackTracker tracker = fresh(comm);
+  track::CrackTracker tracker = fresh(comm);
   const std::vector<pd::Particle> mine = particles(comm);
   for (int step = 0; step <= 20; ++step) {
     if (step == restart) {
-      post::CrackTracker other = fresh(comm);
+      track::CrackTracker other = fresh(comm);
       other.resume(tracker.state());
       tracker = std::move(other);
     }
@@ -99,7 +99,7 @@ TEST(CrackTracker, GoesOnFromAStateToTheLastBit)
 TEST(CrackTracker, WhatWasBrokenFromTheStartIsNoGrowth)
 {
   const crack::CrackSet cracks({{{0.0, 0.0}, {10.0, 0.0}}}, kBody);
-  post::CrackTracker tracker(PETSC_COMM_WORLD, cracks.tips(), {{kLattice, kHorizon}}, 0.35);
+  track::CrackTracker tracker(PETSC_COMM_WORLD, cracks.tips(), {{kLattice, kHorizon}}, 0.35);
   const std::vector<pd::Particle> mine = particles(PETSC_COMM_WORLD);
   std::vector<double> damage;
   for (const pd::Particle& particle : mine) damage.push_back(damage_at(particle.x, 10.0));

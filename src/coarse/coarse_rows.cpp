@@ -1,12 +1,15 @@
 #include "pdx/base/gather.hpp"
-#include "pdx/couple/coarse_mesh.hpp"
+#include "pdx/coarse/coarse_mesh.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace pdx::couple {
+namespace pdx::coarse {
 namespace {
-Vector<2> middle_of(const Surroundings& around) { return 0.5 * (around.shape().box.lower + around.shape().box.upper); }
+Vector<2> middle_of(const couple::Surroundings& around)
+{
+  return 0.5 * (around.shape().box.lower + around.shape().box.upper);
+}
 } // namespace
 
 void CoarseMesh::gather_sets()
@@ -29,7 +32,7 @@ void CoarseMesh::gather_sets()
 void CoarseMesh::choose_cells()
 {
   enum : std::uint8_t { away, looked_at, assembled };
-  std::vector<CellParticle> particles;
+  std::vector<couple::CellParticle> particles;
   place_.clear();
   for (std::size_t p = 0; p < grids_.size(); ++p) {
     const PatchGrid& grid = grids_[p];
@@ -41,7 +44,7 @@ void CoarseMesh::choose_cells()
     for (const Index node : grid.owned()) grid.for_each_cell_at(node, take);
     for (Index node = 0; node < grid.nodes(); ++node) {
       if (!grid.carried(node)) continue;
-      const Host host = grid.host(node, middle_of(fine_.around[p]));
+      const couple::Host host = grid.host(node, middle_of(fine_.around[p]));
       const std::span rows(host.rows.data(), static_cast<std::size_t>(host.count));
       if (std::ranges::any_of(rows, [&](PetscInt row) { return system_.rows.owns(row); }))
         grid.for_each_cell_at(node, take);
@@ -60,8 +63,8 @@ void CoarseMesh::choose_cells()
     }
   }
   if (fine_.breakable)
-    support_ = std::make_unique<SupportParts>(system_.rows, fine_.parts, std::move(particles),
-                                              static_cast<Index>(cells_.size()));
+    support_ = std::make_unique<couple::SupportParts>(system_.rows, fine_.parts, std::move(particles),
+                                                      static_cast<Index>(cells_.size()));
 }
 
 /// Splits our nodes around which bonds are broken. Until rows are numbered, row 0 stands for the node's first row, and
@@ -78,16 +81,16 @@ std::vector<CoarseMesh::SplitRecord> CoarseMesh::split_nodes(Index& extra)
         damaged = damaged || support_->damaged(around.back());
       });
       if (!damaged) continue;
-      const auto weight = [&](const CellParticle& particle) {
+      const auto weight = [&](const couple::CellParticle& particle) {
         const Index cell = cells_[static_cast<std::size_t>(particle.cell)].cell;
         const auto corners = grids_[p].corners(cell);
         const auto at = std::ranges::find(corners, node) - corners.begin();
         return grids_[p].weights(cell, particle.x)[static_cast<std::size_t>(at)];
       };
-      const std::vector<PartOfNode> parts = support_->split(around, weight);
-      const auto most = std::ranges::max(parts, {}, &PartOfNode::part).part;
-      if (most == 0 && std::ranges::min(parts, {}, &PartOfNode::part).part == 0) continue;
-      for (const PartOfNode& part : parts)
+      const std::vector<couple::PartOfNode> parts = support_->split(around, weight);
+      const auto most = std::ranges::max(parts, {}, &couple::PartOfNode::part).part;
+      if (most == 0 && std::ranges::min(parts, {}, &couple::PartOfNode::part).part == 0) continue;
+      for (const couple::PartOfNode& part : parts)
         records.push_back({static_cast<int>(p), node, support_->particles()[part.particle].site,
                            part.part <= 0 ? part.part : extra + part.part});
       for (int k = 1; k <= most; ++k) extra_points_.push_back(grids_[p].point(node));
@@ -124,7 +127,7 @@ void CoarseMesh::number(Index extra, std::vector<SplitRecord> mine)
         asked[p].push_back(node);
         continue;
       }
-      const Host host = grids_[p].host(node, middle_of(fine_.around[p]));
+      const couple::Host host = grids_[p].host(node, middle_of(fine_.around[p]));
       for (std::size_t k = 0; k < static_cast<std::size_t>(host.count); ++k) needed.push_back(coarse_of(host.rows[k]));
     }
   }
@@ -182,7 +185,7 @@ CoarseMesh::Corner CoarseMesh::carried_corner(int patch, Index node, const Vecto
     else
       at->factor += factor;
   };
-  const Host host = grids_[static_cast<std::size_t>(patch)].host(node, x);
+  const couple::Host host = grids_[static_cast<std::size_t>(patch)].host(node, x);
   for (std::size_t k = 0; k < static_cast<std::size_t>(host.count); ++k) {
     const auto set = sets_.find(host.rows[k]);
     if (set == sets_.end()) {
@@ -218,4 +221,4 @@ std::vector<double> CoarseMesh::coordinates() const
   for (const Vector<2>& point : extra_points_) add(point);
   return x;
 }
-} // namespace pdx::couple
+} // namespace pdx::coarse

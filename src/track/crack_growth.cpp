@@ -1,10 +1,10 @@
-#include "pdx/post/crack_growth.hpp"
+#include "pdx/track/crack_growth.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <optional>
 
-namespace pdx::post {
+namespace pdx::track {
 namespace {
 constexpr double kRound = 1e-6; // of a spacing
 
@@ -108,4 +108,4 @@ std::vector<TipGrowth> crack_growth(MPI_Comm comm, std::span<const std::unique_p
   }
   return all;
 }
-} // namespace pdx::post
+} // namespace pdx::track

@@ -1,4 +1,4 @@
-#include "pdx/post/crack_tree.hpp"
+#include "pdx/track/crack_tree.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-namespace pdx::post {
+namespace pdx::track {
 namespace {
 constexpr double kBranch = 2.0;        // horizons that a branch must be long
 constexpr double kSpan = 4.0;          // horizons over which speeds are taken
@@ -342,4 +342,4 @@ double tip_speed(const GrownTip& tip, double span, double now, double look)
   const double slope = over / under;
   return waits > 0.0 ? std::min(slope, span / waits) : slope;
 }
-} // namespace pdx::post
+} // namespace pdx::track

@@ -1,4 +1,4 @@
-#include "pdx/post/crack_tree.hpp"
+#include "pdx/track/crack_tree.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <set>
 
 using namespace pdx;
-using post::Arrival;
-using post::CrackTree;
-using post::GrownTip;
+using track::Arrival;
+using track::CrackTree;
+using track::GrownTip;
 
 namespace {
 // Sites at half numbers; horizon 3, so that branches and speeds need 6.
@@ -18,7 +18,7 @@ constexpr double kSpeed = 4.0;
 /// Damage that runs along straight lines, a band of half-width 1 around each.
 class Runner {
 public:
-  explicit Runner(std::vector<post::CrackStart> starts) : tree(std::move(starts), {{kLattice, 3.0}}) {}
+  explicit Runner(std::vector<track::CrackStart> starts) : tree(std::move(starts), {{kLattice, 3.0}}) {}
 
   /// Arrivals around the way from a to b, at times by the way done, and by look of one unit of time.
   Runner& along(const Vector<2>& a, const Vector<2>& b, double begin, double speed = kSpeed)
@@ -73,7 +73,7 @@ TEST(CrackTree, StraightCrackBetweenTwoRows)
   EXPECT_NEAR(tips[0].at.y(), 0.0, 1e-12);
   EXPECT_NEAR(tips[0].length, 29.5, 0.1); // within the start's circle: as the crow flies
   EXPECT_NEAR(*run.tree.start_time(), 2.0 + 0.5 / kSpeed, 1e-12);
-  EXPECT_NEAR(post::tip_speed(tips[0], 6.0, 10.0, 1.0), kSpeed, 1e-12);
+  EXPECT_NEAR(track::tip_speed(tips[0], 6.0, 10.0, 1.0), kSpeed, 1e-12);
 }
 
 TEST(CrackTree, SlantedCrackHasItsAngleLengthAndSpeed)
@@ -85,7 +85,7 @@ TEST(CrackTree, SlantedCrackHasItsAngleLengthAndSpeed)
   ASSERT_EQ(tips.size(), 1u);
   EXPECT_NEAR(slope(tips[0].at - Vector<2>(10.0, -15.0)), 1.1, 0.04);
   EXPECT_NEAR(tips[0].length, 30.0, 1.2); // chains of lattice steps are up to 3 % longer
-  EXPECT_NEAR(post::tip_speed(tips[0], 6.0, 7.5, 1.0), kSpeed, 0.02 * kSpeed);
+  EXPECT_NEAR(track::tip_speed(tips[0], 6.0, 7.5, 1.0), kSpeed, 0.02 * kSpeed);
 }
 
 TEST(CrackTree, BranchesAreTwoTipsThatPartWhereTheyDid)
@@ -138,9 +138,9 @@ TEST(CrackTree, TipThatWaitsSlowsDown)
   run.along({10.0, 0.0}, {40.0, 0.0}, 0.0).arrive();
   const GrownTip tip = run.tree.tips()[0];
   const double arrived = 29.5 / kSpeed;
-  EXPECT_NEAR(post::tip_speed(tip, 6.0, arrived + 1.0, 1.0), kSpeed, 1e-12);
-  EXPECT_NEAR(post::tip_speed(tip, 6.0, arrived + 11.0, 1.0), 0.6, 1e-12);
-  EXPECT_EQ(post::tip_speed(tip, 50.0, arrived, 1.0), 0.0);
+  EXPECT_NEAR(track::tip_speed(tip, 6.0, arrived + 1.0, 1.0), kSpeed, 1e-12);
+  EXPECT_NEAR(track::tip_speed(tip, 6.0, arrived + 11.0, 1.0), 0.6, 1e-12);
+  EXPECT_EQ(track::tip_speed(tip, 50.0, arrived, 1.0), 0.0);
 }
 
 namespace {
@@ -170,7 +170,7 @@ public:
       all.erase(all.begin(), later);
     }
     tips = tree.tips();
-    for (const GrownTip& tip : tips) speed = std::max(speed, post::tip_speed(tip, tree.span(0), 20.0, 1.5) / view.dx);
+    for (const GrownTip& tip : tips) speed = std::max(speed, track::tip_speed(tip, tree.span(0), 20.0, 1.5) / view.dx);
   }
 
   std::vector<GrownTip> tips;

@@ -2,7 +2,7 @@
 #include "pdx/couple/surroundings.hpp"
 #include "pdx/pd/lattice_part.hpp"
 
-namespace pdx::couple {
+namespace pdx::coarse {
 /// A grid of rectangular cells over one patch, about as wide as a horizon or as the elements around it, whichever is
 /// less: the solver's coarse picture of the patch. All straight sides of the patch run along its lines, between which
 /// cells are alike; those outside the patch are not used. A node on a border with elements behind is carried by the
@@ -10,7 +10,7 @@ namespace pdx::couple {
 class PatchGrid {
 public:
   /// @param part, around must outlive the grid
-  PatchGrid(const pd::LatticePart<2>& part, const Surroundings& around);
+  PatchGrid(const pd::LatticePart<2>& part, const couple::Surroundings& around);
 
   Index nodes() const { return (cells_[0] + 1) * (cells_[1] + 1); }
   Index cells() const { return cells_[0] * cells_[1]; }
@@ -22,7 +22,7 @@ public:
   Vector<2> point(Index node) const;         ///< [m]
   bool carried(Index node) const { return carried_[static_cast<std::size_t>(node)] != 0; }
   /// What carries the node, as seen from a particle at x: of the side of a crack on which x lies.
-  Host host(Index node, const Vector<2>& x) const;
+  couple::Host host(Index node, const Vector<2>& x) const;
   std::span<const Index> owned() const { return owned_; } ///< nodes whose rows this rank has, ascending
   std::array<Index, 4> corners(Index cell) const;         ///< nodes, counter-clockwise
   /// Cells of the patch around a node, calls visit(cell).
@@ -46,7 +46,7 @@ private:
   void divide(std::size_t axis, double width);
   Site<2> particle_at(Index node) const;
   const pd::LatticePart<2>& part_;
-  const Surroundings& around_;
+  const couple::Surroundings& around_;
   std::array<Index, 2> cells_{};
   std::array<Axis, 2> axes_;
   std::vector<std::uint8_t> carried_;
@@ -60,4 +60,4 @@ template <class Visit> void PatchGrid::for_each_cell_at(Index node, Visit&& visi
     for (Index ci = std::max<Index>(i - 1, 0); ci <= std::min(i, cells_[0] - 1); ++ci)
       if (const Index cell = cj * cells_[0] + ci; in_patch(cell)) visit(cell);
 }
-} // namespace pdx::couple
+} // namespace pdx::coarse
