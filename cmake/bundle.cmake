@@ -1,7 +1,7 @@
 # pdx_bundle(TARGET SOURCES...): with PDX_BUNDLE, sources of one folder are compiled some at a time, so that a build of
 # everything reads our headers' headers (Eigen, PETSc, fmt) a few times instead of hundreds. A source with options of its
-# own is left alone. Helpers of one name in two sources of a folder are an error then: give them names that say whose,
-# or leave sources ALONE that ends of paths match.
+# own is left alone. Helpers of one name in two sources of a folder are an error then, or overloads of each other: give them
+# names that say whose, or leave sources ALONE that ends of paths match.
 function(pdx_bundle target)
   if(NOT PDX_BUNDLE)
     return()

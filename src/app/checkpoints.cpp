@@ -1,5 +1,6 @@
 #include "pdx/app/checkpoints.hpp"
 
+#include "pdx/app/scene_signature.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/io/agree.hpp"
 #include "pdx/io/hdf5_file.hpp"
@@ -23,6 +24,18 @@ std::vector<std::string> split(const std::string& text)
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
 }
+
+/// "crack 1" of "crack 1 = (0, 0.5) (1, 0.5)".
+std::string name_of(const std::string& line) { return line.substr(0, line.find(" =")); }
+
+std::string line_named(const std::vector<std::string>& lines, const std::string& name)
+{
+  const auto found = std::ranges::find(lines, name, name_of);
+  return found == lines.end() ? "" : *found;
+}
+
+/// Lists that may be longer in a checkpoint than here.
+bool is_of_options_alone(const std::string& line) { return line.starts_with("crack ") || line.starts_with("no-fail"); }
 
 int rank_in(MPI_Comm comm)
 {
@@ -85,7 +98,7 @@ std::string fault_of(const std::map<std::string, double>& numbers)
 {
   for (const char* name :
        {"time", "step", "length", "origin_time", "origin_step", "origin_length", "energy_bound", "initial_energy",
-        "start_bound", "fields", "end", "step_length", "largest_energy", "largest_residual"})
+        "start_bound", "fields", "end", "step_length", "largest_energy", "largest_residual", "converted"})
     if (!numbers.contains(name)) return fmt::format("has no {}", name);
   for (const char* name : {"step", "origin_step", "fields"})
     if (const double n = numbers.at(name); n < 0.0 || n > 2147483647.0 || n != std::floor(n))
@@ -112,7 +125,8 @@ void Checkpoints::read_head()
   std::error_code none;
   int here = std::filesystem::equivalent(directory.empty() ? "." : directory, files_.options.output.directory, none);
   MPI_Bcast(&here, 1, MPI_INT, 0, files_.comm());
-  from_layout_ = Layout::read(*from_);
+  refuse_other_options();
+  from_layout_ = Layout::read(*from_, Layout::given(files_.options));
   files_.continued = {here != 0, static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
 }
 
@@ -122,11 +136,31 @@ SceneTables& Checkpoints::tables()
   return *tables_;
 }
 
-void Checkpoints::take_scene(const Standing& scene, const Layout& layout)
+void Checkpoints::stand_on(const Standing& scene, const Layout& layout)
 {
   scene_ = scene;
   layout_ = layout;
   tables_.reset();
+}
+
+void Checkpoints::take_scene(const Standing& scene, const Layout& layout, const TimeRecorder& recorder)
+{
+  stand_on(scene, layout);
+  sound_ = kept_now(recorder);
+}
+
+/// Before a scene is built by what the file says.
+void Checkpoints::refuse_other_options() const
+{
+  const std::vector<std::string> there = split(from_->text("/scene")),
+                                 here = split(given_scene(files_.comm(), files_.options));
+  const auto lacks = [](const std::vector<std::string>& lines, const std::string& line) {
+    return std::ranges::find(lines, line) == lines.end();
+  };
+  for (const std::string& line : here)
+    if (lacks(there, line)) refuse(line_named(there, name_of(line)), line);
+  for (const std::string& line : there)
+    if (is_of_options_alone(line) && lacks(here, line)) refuse(line, line_named(here, name_of(line)));
 }
 
 void Checkpoints::refuse_other_scene()
@@ -134,14 +168,19 @@ void Checkpoints::refuse_other_scene()
   const std::vector<std::string> there = split(from_->text("/scene")), here = split(tables().scene());
   for (std::size_t k = 0; k < std::max(there.size(), here.size()); ++k)
     if (k >= there.size() || k >= here.size() || there[k] != here[k])
-      throw UserError(fmt::format("-restart is {}: it is of another scene, which has \"{}\"; this one has \"{}\"",
-                                  options_.restart, k < there.size() ? there[k] : "no more",
-                                  k < here.size() ? here[k] : "no more"));
+      refuse(k < there.size() ? there[k] : "", k < here.size() ? here[k] : "");
+}
+
+void Checkpoints::refuse(const std::string& there, const std::string& here) const
+{
+  throw UserError(fmt::format("-restart is {}: it is of another scene, which has {}; this one has {}", options_.restart,
+                              there.empty() ? "no more" : "\"" + there + "\"",
+                              here.empty() ? "no more" : "\"" + here + "\""));
 }
 
 void Checkpoints::begin(const Standing& scene, const Layout& layout, solve::TimeDriver& driver, TimeRecorder& recorder)
 {
-  take_scene(scene, layout);
+  stand_on(scene, layout);
   step_length_ = driver.step_length();
   sound_ = kept_now(recorder);
   if (!from_) return;

@@ -1,5 +1,6 @@
 #include "pdx/app/layout.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -20,6 +21,13 @@ std::string fault_of_box(const double* row)
 {
   if (!(row[0] > 0.0)) return fmt::format("has a spacing of {:g} m", row[0]);
   return row[1] < row[3] && row[2] < row[4] ? "" : "has a box without inside";
+}
+bool same_patches(const Layout& a, const Layout& b)
+{
+  const auto same = [](const geom::Box<2>& p, const geom::Box<2>& q) {
+    return p.lower == q.lower && p.upper == q.upper;
+  };
+  return a.spacing == b.spacing && std::ranges::equal(a.patches, b.patches, same);
 }
 } // namespace
 
@@ -56,7 +64,7 @@ void Layout::write(io::Hdf5File& file) const
   file.dataset(kEpoch, std::span<const double>(changes), 1);
 }
 
-Layout Layout::read(const io::SealedReader& file)
+Layout Layout::read(const io::SealedReader& file, const Layout& given)
 {
   Layout layout;
   const std::vector<double> boxes = table(file, kPatches, 5), points = table(file, kCracks, 3),
@@ -77,7 +85,9 @@ Layout Layout::read(const io::SealedReader& file)
   }
   const bool counted = changes.size() == 1 && changes[0] >= 0.0 && changes[0] == std::floor(changes[0]);
   file.require(kEpoch, counted ? "" : "must hold one whole number from 0 on");
-  layout.epoch = std::llround(changes[0]);
+  file.require(kEpoch, changes[0] == 0.0 ? "" : "counts changes, which this version does not make");
+  file.require(kPatches, same_patches(layout, given) ? "" : "is not where the patches of this scene lie");
+  file.require(kCracks, layout.cracks == given.cracks ? "" : "is not where the cracks of this scene run");
   return layout;
 }
 } // namespace pdx::app

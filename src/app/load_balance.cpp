@@ -9,7 +9,8 @@
 
 namespace pdx::app {
 namespace {
-constexpr double kMostCost = 1e7; // ns a step that a cell may be said to take
+constexpr double kMostCost = 1e7;  // ns a step that a cell may be said to take
+constexpr double kForecast = 1.15; // over its forecast, above which a partition is worth another try
 
 struct CellTime {
   Index cell; ///< natural number
@@ -27,7 +28,7 @@ bool LoadBalance::due(const solve::TimeDriver& driver)
 {
   if (threshold_ <= 0.0 || driver.step() < since_ + interval_) return false;
   before_ = std::move(now_);
-  now_ = driver.moving().busy();
+  now_ = busy(driver);
   before_.resize(now_.size(), 0.0);
   const double time =
       std::accumulate(now_.begin(), now_.end(), 0.0) - std::accumulate(before_.begin(), before_.end(), 0.0);
@@ -39,7 +40,17 @@ bool LoadBalance::due(const solve::TimeDriver& driver)
   imbalance_ = sum > 0.0 ? most * ranks / sum : 1.0;
   steps_ = driver.step() - since_;
   since_ = driver.step();
-  return imbalance_ > threshold_;
+  above_ = imbalance_ > limit_ ? above_ + 1 : 0;
+  return above_ >= 2;
+}
+
+std::vector<double> LoadBalance::busy(const solve::TimeDriver& driver) const
+{
+  const std::span<const double> mine = driver.moving().busy();
+  std::vector<double> all(mine.begin(), mine.end());
+  all.resize(std::max(all.size(), gone_.size()), 0.0); // a driver that has not stepped knows of no Term
+  for (std::size_t k = 0; k < gone_.size(); ++k) all[k] += gone_[k];
+  return all;
 }
 
 mesh::MeasuredCosts LoadBalance::costs(const Standing& scene, const solve::TimeDriver& driver) const
@@ -75,17 +86,16 @@ mesh::MeasuredCosts LoadBalance::costs(const Standing& scene, const solve::TimeD
   return all;
 }
 
-void LoadBalance::changed(const solve::TimeDriver& driver)
+void LoadBalance::leave(const solve::TimeDriver& driver) { gone_ = busy(driver); }
+
+void LoadBalance::changed(const solve::TimeDriver& driver, double forecast)
 {
   ++changes_;
   interval_ *= 2;
-  begin(driver);
-}
-
-void LoadBalance::begin(const solve::TimeDriver& driver)
-{
+  limit_ = std::max(threshold_, kForecast * forecast);
   since_ = driver.step();
+  above_ = 0;
   before_.clear();
-  now_ = driver.moving().busy();
+  now_ = busy(driver);
 }
 } // namespace pdx::app

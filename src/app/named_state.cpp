@@ -47,9 +47,10 @@ NamedCracks named(const CrackNotes& notes, const SceneNames& names)
     cracks.arrival_times.push_back(arrival.time);
   }
   cracks.damage.assign(names.particles().size(), 0.0);
-  auto watched = tracker.damage.begin();
-  for (std::size_t k = 0; k < cracks.damage.size() && watched != tracker.damage.end(); ++k)
-    if (names.is_watched(k)) cracks.damage[k] = *watched++;
+  std::size_t watched = 0;
+  for (std::size_t k = 0; k < cracks.damage.size() && !tracker.damage.empty(); ++k)
+    if (names.is_watched(k)) cracks.damage[k] = tracker.damage.at(watched++);
+  if (watched != tracker.damage.size()) throw std::logic_error("damage was noted of particles that are not here");
   return cracks;
 }
 

@@ -3,6 +3,7 @@
 #include "pdx/app/checkpoints.hpp"
 #include "pdx/app/load_balance.hpp"
 #include "pdx/base/events.hpp"
+#include "pdx/base/stop_signals.hpp"
 #include "pdx/solve/explicit_driver.hpp"
 #include "pdx/solve/implicit_driver.hpp"
 
@@ -33,7 +34,6 @@ public:
     recorder_.built(scene_->standing());
     if (checkpoints_) checkpoints_->begin(files_.scene, layout_, *driver_, recorder_);
     recorder_.started(*driver_, limits_);
-    balance_.begin(*driver_);
     while (step() == Verdict::relayout) renew();
     if (checkpoints_ && !checkpoints_->stopped().empty()) return stop();
     count_changes();
@@ -94,11 +94,13 @@ private:
   {
     static Event event("layout_change");
     const Timed timed(event);
+    const NoStop whole; // the next step or load sees a signal that comes now
     if (uneven_) costs_ = balance_.costs(files_.scene, *driver_);
     couple::BondBreaker* breaker = files_.scene.model->breaker;
     const pd::Broken broken = breaker ? breaker->mine() : pd::Broken{};
     const solve::TimeDriver::Clock clock = driver_->clock();
-    const NamedState state = capture(files_.scene, *driver_, recorder_.leave_scene());
+    const NamedState state = capture(files_.scene, *driver_, recorder_.leave_scene(*driver_));
+    balance_.leave(*driver_);
     driver_.reset();
     scene_.reset();
     build();
@@ -106,16 +108,16 @@ private:
     move.require_fit();
     move.break_bonds();
     driver_->resume(clock, move.moving());
-    recorder_.take_scene(scene_->standing(), move.cracks());
-    breaker = files_.scene.model->breaker;
+    breaker = scene_->standing().model->breaker;
     if (breaker) breaker->resume(broken);
-    if (checkpoints_) checkpoints_->take_scene(files_.scene, layout_);
-    if (!uneven_) return balance_.begin(*driver_);
+    recorder_.take_scene(scene_->standing(), *driver_, move.cracks());
+    if (checkpoints_) checkpoints_->take_scene(files_.scene, layout_, recorder_);
+    if (!uneven_) return;
     files_.progress.line(
         fmt::format("step {}: the busiest rank had {:.2f} times the mean to do; dealt out anew, it should "
                     "be {:.2f}",
                     driver_->step(), balance_.imbalance(), files_.scene.mesh->quality().imbalance));
-    balance_.changed(*driver_);
+    balance_.changed(*driver_, files_.scene.mesh->quality().imbalance);
   }
 
   void count_changes()

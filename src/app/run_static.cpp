@@ -156,6 +156,7 @@ private:
   {
     static Event event("layout_change");
     const Timed timed(event);
+    const NoStop whole; // the next step or load sees a signal that comes now
     const NamedState state = capture(standing());
     const std::vector<double> u = field::owned_values(u_.get());
     const pd::Broken broken = d_->fracture ? d_->fracture->all() : pd::Broken{};

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace pdx::app {
 namespace {
@@ -18,8 +19,9 @@ constexpr std::string_view kMayChange[] = {"-output_",
                                            "-quiet",
                                            "-case",
                                            "-checkpoint_",
-                                           "-restart",               // what is written
-                                           "-layout_renew_interval", // what is the same with and without
+                                           "-restart", // what is written
+                                           "-layout_renew_interval",
+                                           "-rebalance_", // what is the same with and without
                                            "-ts_",
                                            "-analysis",
                                            "-load_",       // when it ends; the length of steps is compared apart
@@ -76,12 +78,32 @@ std::uint64_t hash_of_file(const std::string& path)
   }
   return hash;
 }
+std::string lines_of(const SceneOptions& options)
+{
+  const law::Elastic& m = options.elastic;
+  std::string text =
+      fmt::format("material = E {} nu {} rho {} thickness {} {}\nkinematics = {}\nscheme = {}\n", m.young, m.poisson,
+                  m.density, m.thickness, m.plane == law::Plane::stress ? "plane stress" : "plane strain",
+                  static_cast<int>(options.kinematics), static_cast<int>(options.scheme));
+  text += fmt::format("bonds = micromodulus {}, calibration {}, surface correction {}\n",
+                      static_cast<int>(options.pd.micromodulus), static_cast<int>(options.pd.calibration),
+                      static_cast<int>(options.pd.surface_correction));
+  text += fmt::format("corner of the body = {}\n", fmt::join(options.frame.origin(), ", "));
+  for (const geom::Box<2>& box : options.fracture.no_fail)
+    text += fmt::format("no-fail zone = {} {} {} {}\n", box.lower[0], box.lower[1], box.upper[0], box.upper[1]);
+  for (std::size_t c = 0; c < options.cracks.lines.size(); ++c) {
+    text += fmt::format("crack {} =", c + 1);
+    for (const Vector<2>& x : options.cracks.lines[c]) text += fmt::format(" ({}, {})", x[0], x[1]);
+    text += "\n";
+  }
+  return text;
+}
 } // namespace
 
-std::string scene_signature(MPI_Comm comm)
+std::string given_scene(MPI_Comm comm, const SceneOptions& scene)
 {
   Options options("signature");
-  std::string text;
+  std::string text = lines_of(scene);
   const std::vector<OptionDoc> docs = documented_options(); // a copy: reading adds to them
   for (const OptionDoc& doc : docs)
     if (belongs(doc.name)) text += fmt::format("{} = {}\n", doc.name, value_of(options, doc));

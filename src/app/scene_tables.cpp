@@ -43,13 +43,10 @@ template <int Dim> std::string line_of(const geom::Lattice<Dim>& lattice, std::s
                      fmt::join(lattice.origin.data(), lattice.origin.data() + Dim, ", "), bonds);
 }
 
-std::string lines_of(const SceneOptions& options, const Standing& scene)
+/// What was made of the options, patch by patch.
+std::string lines_of(const Standing& scene)
 {
-  const law::Elastic& m = options.elastic;
-  std::string text =
-      fmt::format("material = E {} nu {} rho {} thickness {} {}\nkinematics = {}\nscheme = {}\n", m.young, m.poisson,
-                  m.density, m.thickness, m.plane == law::Plane::stress ? "plane stress" : "plane strain",
-                  static_cast<int>(options.kinematics), static_cast<int>(options.scheme));
+  std::string text;
   if (scene.solid) {
     const pd::LatticePart<3>& part = *scene.solid->bonds->parts()[0];
     text += "solid = " + line_of<3>(part.lattice(), part.stencil().half.size());
@@ -62,17 +59,6 @@ std::string lines_of(const SceneOptions& options, const Standing& scene)
       if (!shape.active.is_box())
         text += fmt::format("box of patch {} = {} {} {} {}\n", p + 1, box.lower[0], box.lower[1], box.upper[0],
                             box.upper[1]);
-  }
-  text += fmt::format("bonds = micromodulus {}, calibration {}, surface correction {}\n",
-                      static_cast<int>(options.pd.micromodulus), static_cast<int>(options.pd.calibration),
-                      static_cast<int>(options.pd.surface_correction));
-  text += fmt::format("corner of the body = {}\n", fmt::join(options.frame.origin(), ", "));
-  for (const geom::Box<2>& box : options.fracture.no_fail)
-    text += fmt::format("no-fail zone = {} {} {} {}\n", box.lower[0], box.lower[1], box.upper[0], box.upper[1]);
-  for (std::size_t c = 0; c < options.cracks.lines.size(); ++c) {
-    text += fmt::format("crack {} =", c + 1);
-    for (const Vector<2>& x : options.cracks.lines[c]) text += fmt::format(" ({}, {})", x[0], x[1]);
-    text += "\n";
   }
   return text;
 }
@@ -136,9 +122,9 @@ void SceneTables::describe(const SceneOptions& options)
   text_ = fmt::format("vertices = {}\nnodes = {}\nenriched sets = {}\nparticles = {}\n", scene_.mesh->global_vertices(),
                       counts[0], sets_, counts[1]);
   text_ += fmt::format("supports = {}\n", supports_);
-  text_ += lines_of(options, scene_);
+  text_ += lines_of(scene_);
   text_ += fmt::format("critical stretch = {}\n", fmt::join(model_.critical_stretch, ", "));
-  text_ += scene_signature(model_.system.rows.comm);
+  text_ += given_scene(model_.system.rows.comm, options);
 }
 
 namespace {

@@ -39,19 +39,26 @@ void TimeRecorder::started(const solve::TimeDriver& driver, const StepLimits& li
   begin_ = MPI_Wtime();
 }
 
-std::optional<CrackNotes> TimeRecorder::leave_scene()
+std::optional<CrackNotes> TimeRecorder::leave_scene(const solve::TimeDriver& driver)
 {
+  left_ = energies(driver).total();
   tiles_.computed += d_->tiles().computed;
   tiles_.skipped += d_->tiles().skipped;
   return cracks_ ? cracks_->notes() : std::nullopt;
 }
 
-void TimeRecorder::take_scene(const Standing& scene, std::optional<CrackNotes> cracks)
+void TimeRecorder::take_scene(const Standing& scene, const solve::TimeDriver& driver, std::optional<CrackNotes> cracks)
 {
   files_.take_scene(scene);
   d_ = scene.model;
   cracks_ = CrackWatch::make(files_);
   if (cracks_ && cracks) cracks_->take_notes(std::move(*cracks));
+  converted_ += energies(driver).total() - left_;
+}
+
+TimeRecorder::Notes TimeRecorder::notes() const
+{
+  return {{"largest_energy", largest_energy_}, {"largest_residual", largest_residual_}, {"converted", converted_}};
 }
 
 MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
@@ -61,6 +68,7 @@ MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
   e.scheme = kinetic.scheme;
   e.stored = d_->energies(driver.local());
   e.initial = driver.clock().initial;
+  e.converted = converted_;
   const pd::Broken broken = d_->breaker ? d_->breaker->mine() : pd::Broken{};
   double sums[] = {e.stored.elements, e.stored.bonds, e.stored.interface, broken.energy, driver.moving().work()};
   MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, files_.comm());
@@ -101,6 +109,7 @@ void TimeRecorder::take_notes(const Notes& notes)
 {
   largest_energy_ = notes.at("largest_energy");
   largest_residual_ = notes.at("largest_residual");
+  converted_ = notes.at("converted");
 }
 
 void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEnergies& e)
@@ -171,6 +180,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
   results["strain_energy_interface"] = e.stored.interface;
   results["external_work"] = e.work;
   results["initial_energy"] = e.initial;
+  if (files_.options.layout.may_change()) results["energy_converted"] = e.converted;
   write_tiles();
   if (d_->breaker) {
     results["fracture_energy"] = e.stored.dissipated;

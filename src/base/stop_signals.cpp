@@ -58,6 +58,7 @@ const char* StopSignals::name(int sig)
 
 void stop_if_told(MPI_Comm comm)
 {
+  if (NoStop::any()) return;
   int sig = StopSignals::caught();
   MPI_Allreduce(MPI_IN_PLACE, &sig, 1, MPI_INT, MPI_MAX, comm);
   if (sig) stop(sig);

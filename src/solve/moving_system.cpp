@@ -69,13 +69,12 @@ void MovingSystem::unbalanced(double time, std::span<double> f)
 {
   system.halo->refresh(u);
   std::ranges::fill(f, 0.0);
-  spent_.resize(system.terms.size(), 0.0);
-  double begin = MPI_Wtime();
-  for (std::size_t k = 0; k < spent_.size(); ++k) {
-    system.terms[k]->add_residual(u, f);
-    const double end = MPI_Wtime();
-    spent_[k] += end - begin;
-    begin = end;
+  busy_.resize(system.terms.size(), 0.0);
+  for (std::size_t k = 0; k < busy_.size(); ++k) {
+    const field::Term& term = *system.terms[k];
+    const double begin = MPI_Wtime() - term.waited();
+    term.add_residual(u, f);
+    busy_[k] += MPI_Wtime() - term.waited() - begin;
   }
   const auto& held = system.prescribed.components;
   for (std::size_t k = 0; k < held.size(); ++k) held_[k] = f[static_cast<std::size_t>(held[k])];
@@ -84,13 +83,6 @@ void MovingSystem::unbalanced(double time, std::span<double> f)
   for (const Load& load : loads_)
     for (std::size_t k = 0; k < load.force.size(); ++k)
       f[static_cast<std::size_t>(load.drive->components[k])] -= load.force[k];
-}
-
-std::vector<double> MovingSystem::busy() const
-{
-  std::vector<double> seconds = spent_;
-  for (std::size_t k = 0; k < seconds.size(); ++k) seconds[k] -= system.terms[k]->waited();
-  return seconds;
 }
 
 void MovingSystem::load_at(double time)

@@ -90,6 +90,19 @@ bool TimeDriver::sound()
   return std::abs(all - good_.clock.initial - work) <= kLostShare * energy_bound_;
 }
 
+void TimeDriver::refuse_unsound()
+{
+  if (sound()) return;
+  const auto place = moving_.fastest_place();
+  const std::string why =
+      fmt::format("step {}, time {:.6g} s: the energy of motion grew beyond all work done, fastest at ({:g}, "
+                  "{:g}) from the body's corner; the state of "
+                  "step {} is kept; try a smaller -ts_dt than {:.4g} s, or check material and units",
+                  step(), time(), place[0], place[1], good_.clock.step, step_length());
+  go_back();
+  throw SolverFailure(why);
+}
+
 void TimeDriver::after_step()
 {
   after_evaluations();
@@ -99,19 +112,15 @@ void TimeDriver::after_step()
   if (!losses_.empty()) let_go(losses_);
   moving_.note();
   if (step() % kCheckInterval == 0 || step() >= expected_steps()) {
-    if (!sound()) {
-      const auto place = moving_.fastest_place();
-      const std::string why =
-          fmt::format("step {}, time {:.6g} s: the energy of motion grew beyond all work done, fastest at ({:g}, "
-                      "{:g}) from the body's corner; the state of "
-                      "step {} is kept; try a smaller -ts_dt than {:.4g} s, or check material and units",
-                      step(), time(), place[0], place[1], good_.clock.step, step_length());
-      go_back();
-      throw SolverFailure(why);
-    }
+    refuse_unsound();
     keep();
   }
   verdict_ = after_each_();
+  if (verdict_ == Verdict::relayout && good_.clock.step != step()) { // the next driver keeps this state unseen
+    const double bound = energy_bound_;                              // which looks at other steps must not change
+    refuse_unsound();
+    energy_bound_ = bound;
+  }
   if (verdict_ != Verdict::go_on) PDX_CALL(TSSetConvergedReason(ts_.get(), TS_CONVERGED_USER));
 }
 

@@ -205,7 +205,8 @@ class Restart(program.ProgramTest):
     def test_the_same_values_in_other_words_are_the_same_scene(self):
         directory = self.cut_in_two(TORN, 1, 20)
         restart = {"-restart": str(directory / "checkpoint.h5"), "-ts_max_steps": "40"}
-        self.solve(TORN | restart | {"-material_young": "1000000000.0", "-pd_horizon_ratio": "3.0", "-output_fields": ""})
+        same = {"-material_young": "1000000000.0", "-pd_horizon_ratio": "3.0", "-output_fields": ""}
+        self.solve(TORN | restart | same | {"-layout_renew_interval": "5", "-rebalance_threshold": "1.5"})
 
     def test_what_cannot_go_on_is_refused_in_one_line(self):
         directory = self.cut_in_two(TORN, 1, 20)
@@ -219,7 +220,7 @@ class Restart(program.ProgramTest):
              'of another scene, which has "supports = '),
             ({"-bc_bottom_displacement": "0,free"}, 'of another scene, which has "supports = '),
             ({"-bc_bottom_displacement": "free,1e-5"}, "-restart: what is held would jump at"),
-            ({"-pd_critical_stretch": None}, 'of another scene, which has "critical stretch = 0.01"'),
+            ({"-pd_critical_stretch": None}, 'of another scene, which has "-pd_critical_stretch = 0.01"'),
             ({"-ts_dt": "1e-7"}, "-ts_dt is 1e-07, but the steps of"),
             ({"-restart": "nowhere.h5"}, "cannot read 'nowhere.h5': there is no such file"),
             ({"-restart": str(other)}, f"cannot read '{other}'"),
@@ -229,6 +230,9 @@ class Restart(program.ProgramTest):
             ({"-xfem_least_share": "0.02"}, 'which has "-xfem_least_share = '),
             ({"-post_tip_damage": "0.5"}, 'which has "-post_tip_damage = '),
             ({"-pd_skip_tolerance": "1e-9"}, 'which has "-pd_skip_tolerance = '),
+            (COUPLED, 'of another scene, which has "crack 1 = (0, 0.02) (0.03, 0.02)"'),
+            ({"-pd_no_fail": "0,0,0.01,0.01"}, 'which has no more; this one has "no-fail zone = '),
+            ({"-crack_names": None, "-crack_notch_points": None}, 'which has "crack 1 = (0, 0.02) (0.03, 0.02)"'),
             ({"-analysis": "static", "-ts_max_steps": None}, "-restart are for explicit steps"),
         ):
             with self.subTest(change=change):

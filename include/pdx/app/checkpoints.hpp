@@ -15,8 +15,8 @@ public:
   /// The scene stands and nothing has moved: takes over the state of `-restart`, if there is one. Throws UserError if
   /// it is of another scene.
   void begin(const Standing& scene, const Layout& layout, solve::TimeDriver& driver, TimeRecorder& recorder);
-  /// Another scene stands in its place, with the same state.
-  void take_scene(const Standing& scene, const Layout& layout);
+  /// Another scene stands in its place, with the same state, which the driver keeps as sound.
+  void take_scene(const Standing& scene, const Layout& layout, const TimeRecorder& recorder);
   solve::TimeDriver::Verdict after_step(const solve::TimeDriver& driver, const TimeRecorder& recorder);
   /// The end, or the last sound state of a run gone wild: a checkpoint too, if any were asked for.
   void finish(const solve::TimeDriver& driver, const TimeRecorder& recorder);
@@ -35,8 +35,12 @@ private:
   Kept kept_now(const TimeRecorder& recorder) const;
   void look_around(const solve::TimeDriver& driver);
   void read_head();
+  void stand_on(const Standing& scene, const Layout& layout);
   SceneTables& tables();
+  void refuse_other_options() const;
   void refuse_other_scene();
+  /// @param there, here lines that differ; empty: none
+  [[noreturn]] void refuse(const std::string& there, const std::string& here) const;
   void read_sums(solve::TimeDriver::Clock& clock) const;
   void write(const solve::TimeDriver& driver, Kept kept);
   void write_sums(io::Hdf5File& file, const solve::TimeDriver& driver) const;

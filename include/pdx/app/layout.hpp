@@ -18,7 +18,8 @@ struct Layout {
 
   /// Its tables in a checkpoint. Collective.
   void write(io::Hdf5File& file) const;
-  /// Throws UserError for tables that make no layout. Collective.
-  static Layout read(const io::SealedReader& file);
+  /// Throws UserError for tables that make no layout, and for another one than the scene began with before any change.
+  /// Collective.
+  static Layout read(const io::SealedReader& file, const Layout& given);
 };
 } // namespace pdx::app

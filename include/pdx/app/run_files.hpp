@@ -13,8 +13,8 @@ namespace pdx::app {
 struct Solid;
 struct CloudModel;
 
-/// The scene a run is about, once it stands: in the plane, in space, or a cloud in either. All that is pointed to must
-/// outlive the run.
+/// The scene a run is about, once it stands: in the plane, in space, or a cloud in either. All that is pointed to lives
+/// until another scene takes its place.
 struct Standing {
   Standing() = default;
   Standing(mesh::Mesh* background, const PatchPlan* patches, const Discretisation* plane)

@@ -15,10 +15,15 @@ struct MotionEnergies {
   double scheme = 0.0; ///< dt^2/8 a.M a, see solve::KineticEnergy
   post::Energies stored;
   double work = 0.0, initial = 0.0;
+  double converted = 0.0; ///< what changes of layout added; below 0: took
 
+  double total() const { return kinetic() - scheme + stored.elastic() + stored.dissipated; }
   double kinetic() const { return kinetic_elements + kinetic_particles; }
   /// What came in and is nowhere: 0 to rounding in a linear scene.
-  double residual() const { return initial + work - kinetic() + scheme - stored.elastic() - stored.dissipated; }
+  double residual() const
+  {
+    return initial + work + converted - kinetic() + scheme - stored.elastic() - stored.dissipated;
+  }
 };
 
 /// What a run in time adds to its files. All methods are collective.
@@ -29,12 +34,12 @@ public:
   void started(const solve::TimeDriver& driver, const StepLimits& limits);
   void after_step(const solve::TimeDriver& driver);
   /// The scene is about to go: what is to be known of its cracks.
-  std::optional<CrackNotes> leave_scene();
-  /// Another stands in its place.
-  void take_scene(const Standing& scene, std::optional<CrackNotes> cracks);
+  std::optional<CrackNotes> leave_scene(const solve::TimeDriver& driver);
+  /// Another stands in its place, and a driver has taken over its state: books the energy that came or went.
+  void take_scene(const Standing& scene, const solve::TimeDriver& driver, std::optional<CrackNotes> cracks);
   /// Running values that a restarted run needs, by name.
   using Notes = std::map<std::string, double>;
-  Notes notes() const { return {{"largest_energy", largest_energy_}, {"largest_residual", largest_residual_}}; }
+  Notes notes() const;
   void take_notes(const Notes& notes);
   CrackWatch* cracks() const { return cracks_.get(); } ///< null where no crack can grow from a given tip
   void finish(const solve::TimeDriver& driver);        ///< results of the end
@@ -58,9 +63,10 @@ private:
   Model::Tiles tiles_;                 // of scenes that are gone
   std::unique_ptr<CrackWatch> cracks_; // null where no crack can grow from a given tip
   StepLimits limits_;
-  pd::Broken broken_;             // of all ranks, at the last look
-  double largest_energy_ = 0.0;   // put in so far, at any look [J]
-  double largest_residual_ = 0.0; // [J]
+  pd::Broken broken_;                   // of all ranks, at the last look
+  double largest_energy_ = 0.0;         // put in so far, at any look [J]
+  double largest_residual_ = 0.0;       // [J]
+  double converted_ = 0.0, left_ = 0.0; // energy by changes of layout; in the scene that was left [J]
   double begin_ = 0.0, output_ = 0.0;
   int first_step_ = 0;
   std::size_t next_time_ = 0; // of OutputOptions::times

@@ -32,6 +32,20 @@ private:
 /// Throws Stopped if any rank has caught a signal. Collective.
 void stop_if_told(MPI_Comm comm);
 
+/// While alive `stop_if_told` does nothing: where what a run has come to stands in no object that could save it. Alike
+/// on every rank.
+class NoStop {
+public:
+  NoStop() { ++alive_; }
+  ~NoStop() { --alive_; }
+  NoStop(const NoStop&) = delete;
+  NoStop& operator=(const NoStop&) = delete;
+  static bool any() { return alive_ > 0; }
+
+private:
+  static inline int alive_ = 0;
+};
+
 /// The same for inner loops, where most calls do nothing: ranks look together about four times a second.
 class StopLook {
 public:

@@ -28,8 +28,9 @@ public:
   /// Refreshes the halo of u. f = internal force - loads at that time, of the owned components; both are remembered
   /// where something is held or loaded. Collective.
   void unbalanced(double time, std::span<double> f);
-  /// What each of `system.terms` has computed in `unbalanced` so far, without waiting for other ranks [s].
-  std::vector<double> busy() const;
+  /// What each of `system.terms` has computed in `unbalanced` so far, without waiting for other ranks; empty before
+  /// the first [s].
+  std::span<const double> busy() const { return busy_; }
   /// a = -M^-1 f in place, 0 where held.
   void accelerate(std::span<double> f) const;
   /// The acceleration and the forces on what is held without internal forces that are no longer there.
@@ -89,6 +90,6 @@ private:
   std::vector<double> change_; // owned, only where `let_go` meets ties [m/s^2]
   std::vector<double> held_, held_before_, held_u_before_;
   double held_kinetic_before_ = 0.0, work_ = 0.0;
-  std::vector<double> spent_; // per Term, in add_residual [s]
+  std::vector<double> busy_; // per Term [s]
 };
 } // namespace pdx::solve

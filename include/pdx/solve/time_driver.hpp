@@ -80,6 +80,7 @@ protected:
 private:
   void after_step();
   bool sound();
+  void refuse_unsound();
   int most_steps() const; ///< asked for
   void refuse_spent_run() const;
   void keep();
