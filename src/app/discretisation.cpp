@@ -233,7 +233,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   if (!options.time.dynamic()) {
     const couple::JoinedModels models{mesh, d.node_rows, d.sets.get(), parts, d.carried};
     d.loose_parts = std::make_unique<couple::LooseParts>(models, system);
-    require_support(*d.loose_parts);
+    require_support(*d.loose_parts, options.frame);
   }
   if (d.bonds) {
     add_fracture(options, plan, d);

@@ -43,7 +43,9 @@ solve::StaticOptions steps_of(const SceneOptions& options, const Discretisation&
   Index family = 0; // as many particles may come off together
   for (const auto& part : d.bonds->parts())
     family = std::max(family, static_cast<Index>(2 * part->stencil().half.size()));
-  steps.judge = [&parts = *d.loose_parts, family] { require_support_after_breaking(parts, family); };
+  steps.judge = [&parts = *d.loose_parts, family, &frame = options.frame] {
+    require_support_after_breaking(parts, family, frame);
+  };
   return steps;
 }
 

@@ -285,6 +285,8 @@ CASES = [
           crack_names="a,b", crack_a_points="0,0.52,1,0.52", crack_b_points="0.41,0.52,0.41,0.9"),
     plate("cracks that cross in an element", r"cracks 1 and 2\b.*same element.*\(0\.\d+, 0\.\d+\)",
           crack_names="a,b", crack_a_points="0,0.55,1,0.55", crack_b_points="0.55,0,0.55,1"),
+    plate("a part cut off, far from the origin", r"a part of the body, from \(100\.5, 200\) to \(101, 201\) m",
+          mesh_lower="100,200", mesh_upper="101,201", crack_names="a", crack_a_points="100.55,199,100.55,202"),
     plate("missing crack file", r"-crack_file\b.*nowhere\.cracks", crack_file="{dir}/nowhere.cracks"),
     plate("crack file is a directory", r"-crack_file\b", crack_file="{dir}"),
     plate("crack file with a word in it", r"word\.cracks, line 2: .half. is not a number", crack_file="{dir}/word.cracks"),
