@@ -147,11 +147,15 @@ class Cloud(program.ProgramTest):
 
     def test_a_checkpoint_of_another_cloud_is_refused(self):
         options = CLOUD | {"-ts_max_steps": "2"}
-        run = self.solve(options | self.csv(jittered(80, 40, 3)) | {"-checkpoint_interval": "2"})
-        other = self.csv(jittered(80, 40, 4)) | {"-restart": str(run.directory / "checkpoint.h5")}
-        refused = self.launch(options | other)
-        self.assertEqual(refused.status, 1)
-        self.assertRegex(refused.err, r"-restart is .* another scene.*cloud = 3200 particles")
+        points = jittered(80, 40, 3)
+        run = self.solve(options | self.csv(points) | {"-checkpoint_interval": "2"})
+        inside = points.copy()
+        inside[1640] += 1e-5  # neither the body nor its corner change
+        for other, words in ((inside, "cloud = 3200 particles"), (jittered(80, 40, 4), "corner of the body = ")):
+            with self.subTest(words):
+                refused = self.launch(options | self.csv(other) | {"-restart": str(run.directory / "checkpoint.h5")})
+                self.assertEqual(refused.status, 1)
+                self.assertRegex(refused.err, rf"-restart is .* another scene.*{words}")
 
     def test_fields_show_what_the_file_says_and_what_moves(self):
         points = jittered(80, 40, 3)
