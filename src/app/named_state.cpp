@@ -73,12 +73,10 @@ std::span<const field::RowName> names_with_words(const Standing& scene, const Sc
 {
   return names.particles().first(breaks(scene) ? names.particles().size() : 0);
 }
-} // namespace
 
-NamedState capture(const Standing& scene)
+NamedState what_is_owned(const Standing& scene, const SceneNames& names)
 {
   const field::System& system = scene.model->system;
-  const SceneNames names(scene);
   NamedState state;
   state.dim = system.rows.dim;
   state.rows.assign(names.rows().begin(), names.rows().end());
@@ -92,11 +90,16 @@ NamedState capture(const Standing& scene)
   return state;
 }
 
+} // namespace
+
+NamedState capture(const Standing& scene) { return what_is_owned(scene, SceneNames(scene)); }
+
 NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks)
 {
-  NamedState state = capture(scene);
+  const SceneNames names(scene);
+  NamedState state = what_is_owned(scene, names);
   state.moving = driver.state();
-  if (cracks) state.cracks = named(*cracks, SceneNames(scene));
+  if (cracks) state.cracks = named(*cracks, names);
   return state;
 }
 
