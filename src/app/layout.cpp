@@ -1,14 +1,12 @@
 #include "pdx/app/layout.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 
 namespace pdx::app {
 namespace {
 constexpr const char* kPatches = "/layout_patches"; // spacing, lower and upper corner of each box [m]
 constexpr const char* kCracks = "/layout_cracks";   // number of the crack and a point of it [m]
-constexpr const char* kEpoch = "/layout_epoch";
 
 std::vector<double> table(const io::SealedReader& file, const char* name, int columns)
 {
@@ -52,23 +50,20 @@ void Layout::write(io::Hdf5File& file) const
 {
   int rank = 0;
   MPI_Comm_rank(file.comm(), &rank);
-  std::vector<double> boxes, points, changes;
+  std::vector<double> boxes, points;
   for (std::size_t p = 0; p < patches.size() && rank == 0; ++p)
     boxes.insert(boxes.end(),
                  {spacing[p], patches[p].lower[0], patches[p].lower[1], patches[p].upper[0], patches[p].upper[1]});
   for (std::size_t k = 0; k < cracks.size() && rank == 0; ++k)
     for (const Vector<2>& x : cracks[k]) points.insert(points.end(), {static_cast<double>(k), x[0], x[1]});
-  if (rank == 0) changes.push_back(static_cast<double>(epoch));
   file.dataset(kPatches, std::span<const double>(boxes), 5);
   file.dataset(kCracks, std::span<const double>(points), 3);
-  file.dataset(kEpoch, std::span<const double>(changes), 1);
 }
 
 Layout Layout::read(const io::SealedReader& file, const Layout& given)
 {
   Layout layout;
-  const std::vector<double> boxes = table(file, kPatches, 5), points = table(file, kCracks, 3),
-                            changes = table(file, kEpoch, 1);
+  const std::vector<double> boxes = table(file, kPatches, 5), points = table(file, kCracks, 3);
   for (std::size_t k = 0; k < boxes.size(); k += 5) {
     const double* row = boxes.data() + k;
     file.require(kPatches, fault_of_box(row));
@@ -83,9 +78,6 @@ Layout Layout::read(const io::SealedReader& file, const Layout& given)
     layout.cracks.resize(static_cast<std::size_t>(points[k]) + 1);
     layout.cracks.back().push_back({points[k + 1], points[k + 2]});
   }
-  const bool counted = changes.size() == 1 && changes[0] >= 0.0 && changes[0] == std::floor(changes[0]);
-  file.require(kEpoch, counted ? "" : "must hold one whole number from 0 on");
-  file.require(kEpoch, changes[0] == 0.0 ? "" : "counts changes, which this version does not make");
   file.require(kPatches, same_patches(layout, given) ? "" : "is not where the patches of this scene lie");
   file.require(kCracks, layout.cracks == given.cracks ? "" : "is not where the cracks of this scene run");
   return layout;

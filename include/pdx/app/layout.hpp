@@ -9,7 +9,6 @@ struct Layout {
   std::vector<geom::Box<2>> patches; ///< boxes of particles; none where all of the body is one patch [m]
   std::vector<double> spacing;       ///< of each [m]
   std::vector<crack::Polyline> cracks;
-  std::int64_t epoch = 0; ///< changes since the start
 
   /// That of the options, settled.
   static Layout given(const SceneOptions& options);
@@ -18,8 +17,7 @@ struct Layout {
 
   /// Its tables in a checkpoint. Collective.
   void write(io::Hdf5File& file) const;
-  /// Throws UserError for tables that make no layout, and for another one than the scene began with before any change.
-  /// Collective.
+  /// Throws UserError for tables that make no layout, or another than the scene was given. Collective.
   static Layout read(const io::SealedReader& file, const Layout& given);
 };
 } // namespace pdx::app
