@@ -14,6 +14,8 @@ namespace pdx::app {
 namespace {
 using Verdict = solve::TimeDriver::Verdict;
 constexpr const char* kFile = "checkpoint.h5";
+constexpr const char* kOptions = "/options"; // what makes a scene this one as the options say it, and as it stands
+constexpr const char* kScene = "/scene";
 constexpr int kMostSteps = 16;        // from one look at signals and the clock to the next
 constexpr double kMostSeconds = 0.25; // likewise [s]
 
@@ -28,14 +30,15 @@ std::vector<std::string> split(const std::string& text)
 /// "crack 1" of "crack 1 = (0, 0.5) (1, 0.5)".
 std::string name_of(const std::string& line) { return line.substr(0, line.find(" =")); }
 
-std::string line_named(const std::vector<std::string>& lines, const std::string& name)
+/// The first line of that name, or of any, that the others have not; "" if they have all.
+std::string line_apart(const std::vector<std::string>& lines, const std::vector<std::string>& others,
+                       const std::string& name = "")
 {
-  const auto found = std::ranges::find(lines, name, name_of);
-  return found == lines.end() ? "" : *found;
+  const auto apart = std::ranges::find_if(lines, [&](const std::string& line) {
+    return (name.empty() || name_of(line) == name) && std::ranges::find(others, line) == others.end();
+  });
+  return apart == lines.end() ? "" : *apart;
 }
-
-/// Lists that may be longer in a checkpoint than here.
-bool is_of_options_alone(const std::string& line) { return line.starts_with("crack ") || line.starts_with("no-fail"); }
 
 int rank_in(MPI_Comm comm)
 {
@@ -110,7 +113,8 @@ std::string fault_of(const std::map<std::string, double>& numbers)
 } // namespace
 
 Checkpoints::Checkpoints(RunFiles& files)
-    : files_(files), options_(files.options.time.checkpoint), looked_(MPI_Wtime()), written_(looked_)
+    : files_(files), options_(files.options.time.checkpoint), given_(given_scene(files.comm(), files.options)),
+      looked_(MPI_Wtime()), written_(looked_)
 {
   if (!options_.restart.empty()) read_head();
 }
@@ -125,14 +129,14 @@ void Checkpoints::read_head()
   std::error_code none;
   int here = std::filesystem::equivalent(directory.empty() ? "." : directory, files_.options.output.directory, none);
   MPI_Bcast(&here, 1, MPI_INT, 0, files_.comm());
-  refuse_other_options();
+  refuse_another(kOptions, given_); // before a scene is built by what the file says
   from_layout_ = Layout::read(*from_, Layout::given(files_.options));
   files_.continued = {here != 0, static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
 }
 
 SceneTables& Checkpoints::tables()
 {
-  if (!tables_) tables_ = std::make_unique<SceneTables>(scene_, files_.options);
+  if (!tables_) tables_ = std::make_unique<SceneTables>(scene_);
   return *tables_;
 }
 
@@ -149,33 +153,14 @@ void Checkpoints::take_scene(const Standing& scene, const Layout& layout, const 
   sound_ = kept_now(recorder);
 }
 
-/// Before a scene is built by what the file says.
-void Checkpoints::refuse_other_options() const
+void Checkpoints::refuse_another(const char* text, const std::string& mine) const
 {
-  const std::vector<std::string> there = split(from_->text("/scene")),
-                                 here = split(given_scene(files_.comm(), files_.options));
-  const auto lacks = [](const std::vector<std::string>& lines, const std::string& line) {
-    return std::ranges::find(lines, line) == lines.end();
-  };
-  for (const std::string& line : here)
-    if (lacks(there, line)) refuse(line_named(there, name_of(line)), line);
-  for (const std::string& line : there)
-    if (is_of_options_alone(line) && lacks(here, line)) refuse(line, line_named(here, name_of(line)));
-}
-
-void Checkpoints::refuse_other_scene()
-{
-  const std::vector<std::string> there = split(from_->text("/scene")), here = split(tables().scene());
-  for (std::size_t k = 0; k < std::max(there.size(), here.size()); ++k)
-    if (k >= there.size() || k >= here.size() || there[k] != here[k])
-      refuse(k < there.size() ? there[k] : "", k < here.size() ? here[k] : "");
-}
-
-void Checkpoints::refuse(const std::string& there, const std::string& here) const
-{
+  const std::vector<std::string> there = split(from_->text(text)), here = split(mine);
+  const std::string one = line_apart(here, there), other = line_apart(there, here, name_of(one));
+  if (one.empty() && other.empty()) return;
+  const auto shown = [](const std::string& line) { return line.empty() ? "no more" : "\"" + line + "\""; };
   throw UserError(fmt::format("-restart is {}: it is of another scene, which has {}; this one has {}", options_.restart,
-                              there.empty() ? "no more" : "\"" + there + "\"",
-                              here.empty() ? "no more" : "\"" + here + "\""));
+                              shown(other), shown(one)));
 }
 
 void Checkpoints::begin(const Standing& scene, const Layout& layout, solve::TimeDriver& driver, TimeRecorder& recorder)
@@ -184,7 +169,7 @@ void Checkpoints::begin(const Standing& scene, const Layout& layout, solve::Time
   step_length_ = driver.step_length();
   sound_ = kept_now(recorder);
   if (!from_) return;
-  refuse_other_scene();
+  refuse_another(kScene, tables().scene());
   solve::TimeDriver::Clock clock = clock_of(head_);
   PetscBool given = PETSC_FALSE;
   PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
@@ -296,7 +281,8 @@ void Checkpoints::write(const solve::TimeDriver& driver, Kept kept)
   const std::filesystem::path part = path.string() + ".part";
   try {
     io::Hdf5File file(files_.comm(), part, io::Hdf5File::Mode::sealed);
-    file.text("/scene", tables().scene());
+    file.text(kOptions, given_);
+    file.text(kScene, tables().scene());
     layout_.write(file);
     write_numbers(file, numbers, rank_in(files_.comm()) == 0);
     write_sums(file, driver);

@@ -1,7 +1,6 @@
 #include "pdx/app/scene_tables.hpp"
 
 #include "pdx/app/cloud_body.hpp"
-#include "pdx/app/scene_signature.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/base/fingerprint.hpp"
 #include "pdx/base/gather.hpp"
@@ -64,10 +63,10 @@ std::string lines_of(const Standing& scene)
 }
 } // namespace
 
-SceneTables::SceneTables(const Standing& scene, const SceneOptions& options) : scene_(scene), model_(*scene.model)
+SceneTables::SceneTables(const Standing& scene) : scene_(scene), model_(*scene.model)
 {
   number_rows();
-  describe(options);
+  describe();
 }
 
 void SceneTables::number_rows()
@@ -115,7 +114,7 @@ void SceneTables::note_supports(std::span<const PetscInt> numbers)
   supports_ = fmt::format("{} held components, {:016x}", sums[0], sums[1]);
 }
 
-void SceneTables::describe(const SceneOptions& options)
+void SceneTables::describe()
 {
   std::int64_t counts[2] = {model_.system.rows.nodes, model_.system.rows.particles};
   MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, model_.system.rows.comm);
@@ -124,7 +123,6 @@ void SceneTables::describe(const SceneOptions& options)
   text_ += fmt::format("supports = {}\n", supports_);
   text_ += lines_of(scene_);
   text_ += fmt::format("critical stretch = {}\n", fmt::join(model_.critical_stretch, ", "));
-  text_ += given_scene(model_.system.rows.comm, options);
 }
 
 namespace {

@@ -54,7 +54,7 @@ def checkpoint(directory):
     with h5py.File(directory / "checkpoint.h5") as file:
         tables = {name: file[name][()] for name in file}
     names = bytes(tables.pop("number_names")[:, 0]).decode().split()
-    tables.pop("scene")
+    tables.pop("scene"), tables.pop("options")
     numbers = dict(zip(names, tables.pop("numbers")[:, 0]))
     return tables, numbers
 

@@ -37,10 +37,8 @@ private:
   void read_head();
   void stand_on(const Standing& scene, const Layout& layout);
   SceneTables& tables();
-  void refuse_other_options() const;
-  void refuse_other_scene();
-  /// @param there, here lines that differ; empty: none
-  [[noreturn]] void refuse(const std::string& there, const std::string& here) const;
+  /// Throws UserError where a text of "name = value" lines in the file is not this run's.
+  void refuse_another(const char* text, const std::string& mine) const;
   void read_sums(solve::TimeDriver::Clock& clock) const;
   void write(const solve::TimeDriver& driver, Kept kept);
   void write_sums(io::Hdf5File& file, const solve::TimeDriver& driver) const;
@@ -48,6 +46,7 @@ private:
 
   RunFiles& files_;
   const CheckpointOptions& options_;
+  std::string given_; // the scene as the options say it
   StopSignals signals_;
   std::unique_ptr<io::SealedReader> from_; // until the state is taken over
   std::optional<Layout> from_layout_;      // its

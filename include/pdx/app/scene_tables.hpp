@@ -10,9 +10,9 @@ namespace pdx::app {
 class SceneTables {
 public:
   /// What `scene` points to must outlive it. Collective.
-  SceneTables(const Standing& scene, const SceneOptions& options);
+  explicit SceneTables(const Standing& scene);
 
-  /// What makes a scene this one, "name = value" a line: a state fits only where all of them are the same.
+  /// What makes a scene this one as it stands, "name = value" a line: a state fits only where all of them are the same.
   const std::string& scene() const { return text_; }
   /// @param state as `capture` makes it of this scene. Collective.
   void write(io::Hdf5File& file, const NamedState& state) const;
@@ -20,7 +20,7 @@ public:
 private:
   void number_rows();
   void note_supports(std::span<const PetscInt> numbers);
-  void describe(const SceneOptions& options);
+  void describe();
 
   Standing scene_;
   const Model& model_;
