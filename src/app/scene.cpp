@@ -133,8 +133,7 @@ template <int Dim> SceneMaker cloud_maker(MPI_Comm comm, SceneOptions& options)
   auto plan = std::make_shared<CloudPlan<Dim>>(plan_cloud<Dim>(options));
   int ranks = 1;
   MPI_Comm_size(comm, &ranks);
-  const LayoutOptions& layouts = options.layout;
-  const bool may_change = layouts.renew_interval > 0 || (layouts.rebalance_threshold > 0.0 && ranks > 1);
+  const bool may_change = options.layout.may_change(ranks);
   return [comm, &options, plan, may_change](const Layout& layout,
                                             const mesh::MeasuredCosts* costs) mutable -> std::unique_ptr<Scene> {
     auto scene = std::make_unique<CloudScene<Dim>>(comm, layout.in(options), *plan, costs);

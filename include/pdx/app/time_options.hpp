@@ -27,7 +27,7 @@ struct LayoutOptions {
   int renew_interval = 0; ///< steps after which all is built anew as it was, to show that it changes nothing; 0: never
   double rebalance_threshold = 0.0; ///< busiest rank over the mean, above which cells are dealt out anew; 0: never
 
-  bool may_change() const { return renew_interval > 0 || rebalance_threshold > 0.0; }
+  bool may_change(int ranks) const { return renew_interval > 0 || (rebalance_threshold > 0.0 && ranks > 1); }
   static LayoutOptions read();
 };
 
