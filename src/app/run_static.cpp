@@ -117,13 +117,13 @@ private:
   void build()
   {
     d_ = discretise(ground_->mesh, ground_->options, ground_->plan, std::move(ground_->particles), assembled_);
+    u_ = d_->system.rows.vector();
   }
 
   void drive(solve::StaticReport before)
   {
     driver_ =
         std::make_unique<solve::StaticDriver>(d_->system, steps_of(files_.options, *d_, assembled_), std::move(before));
-    if (!u_) u_ = d_->system.rows.vector();
   }
 
   /// Solves until the loads end or the layout is to change.
@@ -172,7 +172,6 @@ private:
     move.require_fit();
     move.break_bonds();
     if (d_->fracture) d_->fracture->resume(broken);
-    u_ = d_->system.rows.vector();
     field::set_owned_values(u_.get(), move.rows(u, state.dim));
     recorder_.take_scene(standing(), move);
     drive(std::move(report));
