@@ -1,7 +1,6 @@
 #include "pdx/app/load_balance.hpp"
 
 #include "pdx/base/exchange.hpp"
-#include "pdx/base/gather.hpp"
 
 #include <algorithm>
 #include <cmath>
