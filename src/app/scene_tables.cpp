@@ -14,7 +14,7 @@
 namespace pdx::app {
 namespace {
 constexpr const char* kRows = "/row_names";
-constexpr const char* kWords = "/bond_words";
+constexpr const char* kWords = "/gone_bonds";                 // of each particle, a bit for each bond it had
 constexpr const char* kArrivals = "/crack_arrivals";          // name, look
 constexpr const char* kArrivalTimes = "/crack_arrival_times"; // [s]
 constexpr const char* kCracks = "/crack_numbers";             // time [s], largest speed [m/s], bonds broken
@@ -161,7 +161,7 @@ void SceneTables::write(io::Hdf5File& file, const NamedState& state) const
   table("/held_force", state.moving.held);
   const bool first = is_first(model_.system.rows.comm);
   if (state.words_per_particle > 0) {
-    const std::vector<std::uint64_t> block = particle_order_->to_table(state.words, state.words_per_particle);
+    const std::vector<std::uint64_t> block = particle_order_->to_table(state.gone, state.words_per_particle);
     file.dataset(kWords, std::span<const std::uint64_t>(block), state.words_per_particle);
   }
   if (state.carried) {
@@ -240,7 +240,7 @@ NamedState read_tables(MPI_Comm comm, const io::SealedReader& file, int dim)
   state.particles = names_of(words.read(kRows, rows - particles, 1)); // particles come last
   if (breaks) {
     state.words_per_particle = static_cast<int>(file.shape(kWords)[1]);
-    state.words = words.read(kWords, 0, state.words_per_particle);
+    state.gone = words.read(kWords, 0, state.words_per_particle);
   }
   if (file.has(kCarried)) {
     std::vector<std::uint64_t> names(static_cast<std::size_t>(file.shape(kCarried)[0]));

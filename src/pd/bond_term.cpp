@@ -220,13 +220,6 @@ void BondTerm<Dim>::overstretched(const Windows& loaded, std::span<const BreakRu
   for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p]->overstretched(loaded[p], rules[p], ratios);
 }
 
-template <int Dim> void BondTerm<Dim>::set_words(std::size_t part, std::span<const std::uint64_t> words)
-{
-  ++revision_;
-  parts_[part]->set_words(words);
-  take_over_words();
-}
-
 template <int Dim> void BondTerm<Dim>::save()
 {
   for (const auto& part : parts_) part->save();

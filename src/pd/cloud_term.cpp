@@ -181,25 +181,25 @@ template <int Dim> Broken CloudTerm<Dim>::break_overstretched(std::span<const do
   return part_.break_bonds({kinematics_, critical_stretch_, no_fail_.empty() ? nullptr : no_fail_.data()}, u, &losses);
 }
 
-template <int Dim> std::vector<std::uint64_t> CloudTerm<Dim>::words() const
+template <int Dim> std::vector<std::uint64_t> CloudTerm<Dim>::gone() const
 {
   const auto width = static_cast<std::size_t>(words_);
   const CsrView<Dim> view = part_.view();
   std::vector<std::uint64_t> words(owned() * width, 0);
   for (std::size_t i = 0; i < owned(); ++i)
     for (auto b = view.first[i], k = std::int64_t{0}; b < view.first[i + 1]; ++b, ++k)
-      words[i * width + static_cast<std::size_t>(k / 64)] |= std::uint64_t{view.intact[b]} << k % 64;
+      words[i * width + static_cast<std::size_t>(k / 64)] |= std::uint64_t{!view.intact[b]} << k % 64;
   return words;
 }
 
-template <int Dim> void CloudTerm<Dim>::set_words(std::span<const std::uint64_t> words)
+template <int Dim> void CloudTerm<Dim>::set_gone(std::span<const std::uint64_t> words)
 {
   const auto width = static_cast<std::size_t>(words_);
   const std::span<const std::int64_t> first = part_.view().first;
   std::vector<std::uint8_t> intact(part_.intact().size());
   for (std::size_t i = 0; i < owned(); ++i)
     for (auto b = first[i], k = std::int64_t{0}; b < first[i + 1]; ++b, ++k)
-      intact[static_cast<std::size_t>(b)] = words[i * width + static_cast<std::size_t>(k / 64)] >> k % 64 & 1u;
+      intact[static_cast<std::size_t>(b)] = ~words[i * width + static_cast<std::size_t>(k / 64)] >> k % 64 & 1u;
   part_.keep_only(intact);
 }
 

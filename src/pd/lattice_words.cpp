@@ -234,21 +234,48 @@ template <int Dim> std::vector<Index> LatticePart<Dim>::word_sites() const
   return numbers;
 }
 
+template <int Dim> std::array<std::uint64_t, 2> LatticePart<Dim>::gone_of(Index k) const
+{
+  const Site<Dim> site = where_.active.site(sites_[static_cast<std::size_t>(k)]);
+  const std::ptrdiff_t i = at(site);
+  std::array<std::uint64_t, 2> gone{0, 0};
+  if (!(traits_[static_cast<std::size_t>(i)] & kLost)) return gone;
+  for (std::size_t h = 0; h < arms_.size(); ++h)
+    if (!has_bond(i, h) && begins(site, h)) gone[h / 64] |= std::uint64_t{1} << (h % 64);
+  return gone;
+}
+
 /// Bonds between particles of other ranks stay as they are here: nobody asks, and nobody would break them.
-template <int Dim> void LatticePart<Dim>::set_words(std::span<const std::uint64_t> words)
+template <int Dim> bool LatticePart<Dim>::is_own(std::ptrdiff_t i, std::size_t arm) const
+{
+  const auto owned = [this](std::ptrdiff_t k) {
+    return k < window_size_ && (traits_[static_cast<std::size_t>(k)] & kOwned);
+  };
+  return owned(i) || owned(i + arms_[arm].jump);
+}
+
+template <int Dim> void LatticePart<Dim>::set_gone(std::span<const std::uint64_t> words)
 {
   remember_volume();
   other_words_ = words_;
-  const auto owned = [this](std::ptrdiff_t i) {
-    return i < window_size_ && (traits_[static_cast<std::size_t>(i)] & kOwned);
-  };
   const std::size_t count = sites_.size() + halo_at_.size();
   for (std::size_t k = 0; k < count; ++k) {
+    if (!(words[2 * k] | words[2 * k + 1])) continue;
     const std::ptrdiff_t i = k < sites_.size() ? at(where_.active.site(sites_[k])) : halo_at_[k - sites_.size()];
     for (std::size_t h = 0; h < arms_.size(); ++h)
-      if (!(words[2 * k + h / 64] >> (h % 64) & 1u) && (owned(i) || owned(i + arms_[h].jump)))
+      if (words[2 * k + h / 64] >> (h % 64) & 1u && is_own(i, h))
         words_[h / 64][static_cast<std::size_t>(i)] &= ~(std::uint64_t{1} << (h % 64));
   }
+  note_losses();
+}
+
+template <int Dim> void LatticePart<Dim>::set_gone(std::span<const BondAt> bonds)
+{
+  remember_volume();
+  other_words_ = words_;
+  for (const auto& [lower, arm] : bonds)
+    if (in_window(lower) && is_own(at(lower), arm))
+      words_[arm / 64][static_cast<std::size_t>(at(lower))] &= ~(std::uint64_t{1} << (arm % 64));
   note_losses();
 }
 
@@ -342,7 +369,9 @@ template <int Dim> void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolu
   template void LatticePart<Dim>::restore();                                                                           \
   template std::array<std::uint64_t, 2> LatticePart<Dim>::words_of(Index) const;                                       \
   template std::vector<Index> LatticePart<Dim>::word_sites() const;                                                    \
-  template void LatticePart<Dim>::set_words(std::span<const std::uint64_t>);                                           \
+  template std::array<std::uint64_t, 2> LatticePart<Dim>::gone_of(Index) const;                                        \
+  template void LatticePart<Dim>::set_gone(std::span<const std::uint64_t>);                                            \
+  template void LatticePart<Dim>::set_gone(std::span<const LatticePart<Dim>::BondAt>);                                 \
   template std::int64_t LatticePart<Dim>::bonds() const;                                                               \
   template void LatticePart<Dim>::weak_rows(std::vector<Index>&) const;                                                \
   template void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolume>) const

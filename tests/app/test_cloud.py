@@ -48,7 +48,7 @@ BLOCK = LATTICE | {
     "-ts_max_steps": "200",
 }
 BLOCK_CLOUD = BLOCK | {name: None for name in (*GONE, "-material_thickness")} | {"-pd_horizon": "0.002015"}
-TABLES = ("displacement", "velocity", "acceleration", "held_force", "bond_words")
+TABLES = ("displacement", "velocity", "acceleration", "held_force", "gone_bonds")
 
 
 def lattice(*count):

@@ -35,8 +35,8 @@ struct CloudModel : Model {
   virtual std::vector<double> volumes() const = 0;   ///< likewise [m^3]
   virtual std::vector<pd::BondedVolume> bonded_volume() const = 0;
   virtual int words_per_particle() const = 0; ///< the two below as CloudTerm's
-  virtual std::vector<std::uint64_t> words() const = 0;
-  virtual void set_words(std::span<const std::uint64_t> words) = 0;
+  virtual std::vector<std::uint64_t> gone() const = 0;
+  virtual void set_gone(std::span<const std::uint64_t> words) = 0;
   Tiles tiles() const override { return {}; }
 };
 
@@ -48,8 +48,8 @@ template <int Dim> struct CloudBody final : CloudModel {
   std::vector<double> volumes() const override { return {bonds->volumes().begin(), bonds->volumes().end()}; }
   std::vector<pd::BondedVolume> bonded_volume() const override { return bonds->bonded_volume(); }
   int words_per_particle() const override { return bonds->words_per_particle(); }
-  std::vector<std::uint64_t> words() const override { return bonds->words(); }
-  void set_words(std::span<const std::uint64_t> words) override { bonds->set_words(words); }
+  std::vector<std::uint64_t> gone() const override { return bonds->gone(); }
+  void set_gone(std::span<const std::uint64_t> words) override { bonds->set_gone(words); }
 };
 
 /// Collective. Throws UserError for conditions and cracks that are nowhere in the cloud, and for one without bonds.

@@ -56,8 +56,13 @@ public:
   std::int64_t tiles_skipped() const;
 
   std::int64_t revision() const override { return revision_; }
-  /// Breaks the bonds of a part that its words, as `LatticePart::set_words` takes them, do not have.
-  void set_words(std::size_t part, std::span<const std::uint64_t> words);
+  /// Breaks bonds of a part, named as `LatticePart::set_gone` takes them.
+  template <class Bonds> void set_gone(std::size_t part, const Bonds& bonds)
+  {
+    ++revision_;
+    parts_[part]->set_gone(std::span(bonds));
+    take_over_words();
+  }
   void save();
   void restore();             ///< needs a `save` before
   std::int64_t bonds() const; ///< intact ones that this rank counts

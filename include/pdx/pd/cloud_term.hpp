@@ -40,10 +40,10 @@ public:
   void restore() { part_.restore(saved_); } ///< needs a `save` before
 
   int words_per_particle() const { return words_; } ///< the same on every rank
-  /// Which bonds of the owned particles are intact: one bit each, in the order of the cloud.
-  std::vector<std::uint64_t> words() const;
-  /// Breaks the bonds that these words do not have.
-  void set_words(std::span<const std::uint64_t> words);
+  /// Which bonds of the owned particles are gone, cut ones included: one bit each, in the order of the cloud.
+  std::vector<std::uint64_t> gone() const;
+  /// Breaks the bonds that these words have.
+  void set_gone(std::span<const std::uint64_t> words);
   std::vector<BondedVolume> bonded_volume() const;                                   ///< of the owned particles
   std::span<const double> volumes() const { return part_.volumes().first(owned()); } ///< of the owned particles [m^3]
   const CsrPart<Dim>& part() const { return part_; }

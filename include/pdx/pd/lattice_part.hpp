@@ -113,8 +113,17 @@ public:
 
   /// Sites whose words say which bonds owned particles have: the owned ones, then those of other ranks.
   std::vector<Index> word_sites() const;
-  /// Breaks the bonds that these words do not have, two words (`words_of`) for each of `word_sites`. After `cut`.
-  void set_words(std::span<const std::uint64_t> words);
+  /// Bonds that start at owned particle k and are gone, those that a crack cut included, bit h for half arm h.
+  std::array<std::uint64_t, 2> gone_of(Index k) const;
+  /// Breaks the bonds that these words have, two words (`gone_of`) for each of `word_sites`. After `cut`.
+  void set_gone(std::span<const std::uint64_t> words);
+  /// A bond by its lower end, whatever holds that.
+  struct BondAt {
+    Site<Dim> lower;
+    std::size_t arm; ///< half arm
+  };
+  /// Breaks those of these bonds that owned particles have. After `cut`.
+  void set_gone(std::span<const BondAt> bonds);
   /// Intact bonds that start at owned particle k, bit h for half arm h.
   std::array<std::uint64_t, 2> words_of(Index k) const;
   std::int64_t bonds() const; ///< intact ones that this rank counts
@@ -134,6 +143,7 @@ private:
   std::ptrdiff_t at(const Site<Dim>& site) const;
   bool in_window(const Site<Dim>& site) const;
   bool has_bond(std::ptrdiff_t at, std::size_t arm) const;
+  bool is_own(std::ptrdiff_t at, std::size_t arm) const;
   void place_window();
   void write_bond_words();
   void write_classes();

@@ -200,7 +200,7 @@ template <int Dim> void expect_same_bits(const Site<Dim>& count)
   EXPECT_EQ(here.term->words_per_particle(), alone.term->words_per_particle());
   for (const bool after : {false, true}) {
     const std::vector<double> force = here.force(u), expected = alone.force(v);
-    const std::vector<std::uint64_t> words = here.term->words(), all = alone.term->words();
+    const std::vector<std::uint64_t> words = here.term->gone(), all = alone.term->gone();
     const auto width = static_cast<std::size_t>(here.term->words_per_particle());
     for (std::size_t k = 0; k < here.mine.size(); ++k) {
       const auto number = static_cast<std::size_t>(here.mine[k]);
@@ -233,7 +233,7 @@ TEST(CloudTerm, TakesOverBrokenBondsFromWords)
   EXPECT_GT(sum(static_cast<double>(torn.term->break_overstretched(u, losses).bonds)), 100.0);
   EXPECT_EQ(torn.term->words_per_particle(), 2);
   EXPECT_GT(sum(torn.force(u) != whole.force(u)), 0.0);
-  whole.term->set_words(torn.term->words());
+  whole.term->set_gone(torn.term->gone());
   EXPECT_EQ(torn.force(u), whole.force(u));
 }
 
