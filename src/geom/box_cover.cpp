@@ -1,0 +1,46 @@
+#include "pdx/geom/box_cover.hpp"
+
+#include <cmath>
+
+namespace pdx::geom {
+std::vector<Box<2>> without(const Box<2>& box, const Box<2>& hole, double near)
+{
+  const Box<2> in{box.lower.cwiseMax(hole.lower), box.upper.cwiseMin(hole.upper)};
+  if ((in.size().array() <= near).any()) return {box};
+  std::vector<Box<2>> rest{{box.lower, {box.upper[0], in.lower[1]}},
+                           {{box.lower[0], in.lower[1]}, {in.lower[0], in.upper[1]}},
+                           {{in.upper[0], in.lower[1]}, {box.upper[0], in.upper[1]}},
+                           {{box.lower[0], in.upper[1]}, box.upper}};
+  std::erase_if(rest, [near](const Box<2>& b) { return (b.size().array() <= near).any(); });
+  return rest;
+}
+
+namespace {
+/// Do they make up one box, side by side along an axis?
+bool share_side(const Box<2>& a, const Box<2>& b, double near)
+{
+  const auto same = [near](double x, double y) { return std::abs(x - y) <= near; };
+  for (Eigen::Index d = 0; d < 2; ++d)
+    if (same(a.lower[1 - d], b.lower[1 - d]) && same(a.upper[1 - d], b.upper[1 - d]) &&
+        (same(a.upper[d], b.lower[d]) || same(b.upper[d], a.lower[d])))
+      return true;
+  return false;
+}
+} // namespace
+
+std::vector<Box<2>> joined(std::vector<Box<2>> boxes, double near)
+{
+  for (std::size_t k = 0; k < boxes.size();) {
+    std::size_t other = k + 1;
+    while (other < boxes.size() && !share_side(boxes[k], boxes[other], near)) ++other;
+    if (other == boxes.size()) {
+      ++k;
+      continue;
+    }
+    boxes[k] = {boxes[k].lower.cwiseMin(boxes[other].lower), boxes[k].upper.cwiseMax(boxes[other].upper)};
+    boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(other));
+    k = 0; // it may now fit one before
+  }
+  return boxes;
+}
+} // namespace pdx::geom
