@@ -60,11 +60,11 @@ void ExplicitDriver::evaluate(double time, std::span<double> a)
   moving_.accelerate(a);
 }
 
-void ExplicitDriver::start(std::span<double> a)
+void ExplicitDriver::start(double time, std::span<double> a)
 {
-  moving_.move_alone(0.0, moving_.u.data());
-  moving_.move_velocity_alone(0.0, moving_.v.data());
-  evaluate(0.0, a);
+  moving_.move_alone(time, moving_.u.data());
+  moving_.move_velocity_alone(time, moving_.v.data());
+  evaluate(time, a);
 }
 
 void ExplicitDriver::set_acceleration(const StepOrigin& origin, std::span<const double> a)

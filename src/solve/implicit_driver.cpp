@@ -114,7 +114,7 @@ void ImplicitDriver::evaluate(double time, std::span<double> a)
   moving_.accelerate(a);
 }
 
-void ImplicitDriver::start(std::span<double> a) { evaluate(0.0, a); }
+void ImplicitDriver::start(double time, std::span<double> a) { evaluate(time, a); }
 
 /// The method knows what is held in the middle of a step only: at its end it is put where it should be.
 void ImplicitDriver::after_evaluations() { evaluate(time(), acceleration_); }

@@ -25,11 +25,6 @@ bool given(const char* option)
 }
 } // namespace
 
-bool works_matrix_free(std::string_view pc_type)
-{
-  return pc_type == PCMG || pc_type == PCNONE || pc_type == PCJACOBI || pc_type == PCPBJACOBI || pc_type == PCKSP;
-}
-
 StaticDriver::StaticDriver(const field::System& system, const StaticOptions& options, StaticReport before)
     : system_(system), options_(options), tangent_(system, options.assembled || !system.coarse),
       look_(system.rows.comm), rule_(options.rebuild_factor), start_(system.rows.vector()), report_(std::move(before)),
@@ -68,7 +63,7 @@ void StaticDriver::configure()
     PDX_CALL(PCSetType(pc_, PCHYPRE));
   PDX_CALL(KSPMonitorSet(ksp_, look, this, nullptr));
   PDX_CALL(SNESSetFromOptions(snes));
-  refuse_wrong_krylov();
+  refuse_wrong_krylov(ksp_, system_.symmetric());
   KSPType krylov = nullptr;
   PDX_CALL(KSPGetType(ksp_, &krylov));
   follows_ = std::string_view(krylov) == KSPPREONLY;
@@ -77,27 +72,6 @@ void StaticDriver::configure()
   const bool warm = options_.load_steps > 1 || !system_.after.empty();
   own_krylov_tolerance_ = warm && !given("-ksp_rtol") && !given("-ksp_atol");
   own_newton_tolerance_ = warm && !given("-snes_rtol") && !given("-snes_atol");
-}
-
-/// A Krylov method that cannot solve this system would end far from the answer, or in PETSc's own words.
-void StaticDriver::refuse_wrong_krylov() const
-{
-  KSPType krylov = nullptr;
-  PCType type = nullptr;
-  PDX_CALL(KSPGetType(ksp_, &krylov));
-  PDX_CALL(PCGetType(pc_, &type));
-  const std::string_view method = krylov, preconditioner = type;
-  const bool direct = preconditioner == PCLU || preconditioner == PCCHOLESKY || preconditioner == PCREDUNDANT;
-  if (method == KSPPREONLY && !direct)
-    throw UserError(
-        fmt::format("-ksp_type preonly applies the preconditioner {} once and stops: use it with -pc_type lu "
-                    "or cholesky only",
-                    preconditioner));
-  const bool symmetric_only = method == KSPCG || method == KSPMINRES || method == KSPSYMMLQ || method == KSPCR;
-  if (symmetric_only && !system_.symmetric())
-    throw UserError(fmt::format("-ksp_type {} needs a symmetric tangent, which -couple_scheme interface has not: use "
-                                "gmres or bcgs",
-                                method));
 }
 
 void StaticDriver::prescribe(Vec u, double load) const
@@ -311,7 +285,8 @@ std::string StaticDriver::equilibrium(Step& step, Vec u)
 {
   load_ = step.load;
   new_load_ = true;
-  const int before = report_.linear_iterations;
+  outgrown_ = false;
+  const int before = report_.linear_iterations - step.iterations;
   for (std::int64_t changes = 1; changes > 0; step.changes += changes) {
     if (step.passes == options_.max_passes)
       return fmt::format("it is not quiet after {} passes; allow more passes or halvings", step.passes);
@@ -329,6 +304,11 @@ std::string StaticDriver::equilibrium(Step& step, Vec u)
     if (options_.max_changes > 0 && step.changes + changes > options_.max_changes) {
       step.changes += changes;
       return fmt::format("more than {} changes in one increment; allow more changes or halvings", options_.max_changes);
+    }
+    outgrown_ = changes > 0 && options_.outgrown && options_.outgrown(local_);
+    if (outgrown_) {
+      step.changes += changes;
+      break;
     }
   }
   return "";
@@ -365,14 +345,30 @@ void StaticDriver::run(Vec u, const Accepted& accepted)
   run(u, all, accepted);
 }
 
-Verdict StaticDriver::run(Vec u, LoadPath& path, const Accepted& accepted)
+/// The next load, or what is left of one.
+Step StaticDriver::begin(Vec u, Vec saved, const LoadPath& path, std::optional<OpenStep>* open)
+{
+  if (open && *open) {
+    field::set_owned_values(saved, (*open)->start);
+    const Step step = (*open)->step;
+    open->reset();
+    return step;
+  }
+  PDX_CALL(VecCopy(u, saved));
+  for (const auto& after : system_.after) after->save();
+  return {report_.steps + 1, path.target()};
+}
+
+Verdict StaticDriver::run(Vec u, LoadPath& path, const Accepted& accepted, std::optional<OpenStep>* open)
 {
   const VecHandle saved = system_.rows.vector();
   while (!path.done()) {
-    PDX_CALL(VecCopy(u, saved.get()));
-    for (const auto& after : system_.after) after->save();
-    Step step{report_.steps + 1, path.target()};
+    Step step = begin(u, saved.get(), path, open);
     const std::string why = attempted(step, saved.get(), u);
+    if (why.empty() && outgrown_) {
+      *open = OpenStep{step, field::owned_values(saved.get())};
+      return Verdict::relayout;
+    }
     if (why.empty()) {
       path.advance();
       report_.steps = step.number;

@@ -184,12 +184,22 @@ void TimeDriver::resume(const Clock& clock, const field::State& state)
   resumed_ = true;
 }
 
+void TimeDriver::resume_changed(const Clock& clock, const field::State& state)
+{
+  good_.clock = clock;
+  set_state(clock, state);
+  std::vector<double> a(moving_.owned(), 0.0);
+  start(clock.time, a);
+  set_acceleration(clock.origin, a);
+  resumed_ = true;
+}
+
 TimeDriver::Verdict TimeDriver::run(const AfterEach& after_each)
 {
   after_each_ = after_each;
   if (!resumed_) {
     std::vector<double> a(moving_.owned(), 0.0);
-    start(a);
+    start(0.0, a);
     set_acceleration({}, a);
     const KineticEnergy energy = kinetic_energy();
     const double stored = moving_.stored_energy();

@@ -25,7 +25,7 @@ private:
   void evaluate(double time, std::span<double> a);
   StepOrigin origin() const override { return step_origin(ts_.get()); }
   void set_acceleration(const StepOrigin& origin, std::span<const double> a) override;
-  void start(std::span<double> a) override;
+  void start(double time, std::span<double> a) override;
   void let_go(const field::ForceLosses& losses) override;
 
   ExplicitOptions options_;

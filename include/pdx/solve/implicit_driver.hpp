@@ -22,7 +22,7 @@ private:
   void add_mass(double factor);
   void evaluate(double time, std::span<double> a);
   void set_acceleration(const StepOrigin&, std::span<const double> a) override;
-  void start(std::span<double> a) override;
+  void start(double time, std::span<double> a) override;
   void let_go(const field::ForceLosses& losses) override { moving_.let_go(losses, acceleration_); }
   void after_evaluations() override;
 

@@ -1,11 +1,13 @@
 #pragma once
 #include "pdx/base/stop_signals.hpp"
 #include "pdx/solve/keep_rule.hpp"
+#include "pdx/solve/krylov_rules.hpp"
 #include "pdx/solve/load_path.hpp"
 #include "pdx/solve/two_level.hpp"
 #include "pdx/solve/verdict.hpp"
 
 #include <functional>
+#include <optional>
 
 namespace pdx::solve {
 /// How a static scene is solved; everything else is PETSc's (-snes_, -ksp_, -pc_, -mg_).
@@ -18,6 +20,8 @@ struct StaticOptions {
   double rebuild_factor = 1.3;  ///< growth of iterations at which the preconditioner is built anew, see KeepRule
   /// Asked after AfterSolves changed something, before the next solve: throws if the scene can no longer be solved.
   std::function<void()> judge = {};
+  /// Asked likewise behind that: true if the layout is to change before the next solve.
+  std::function<bool(std::span<const double> local)> outgrown = {};
 };
 
 /// What a run cost.
@@ -44,6 +48,12 @@ struct Step {
   int iterations = 0;       ///< of the linear solver at this load
 };
 
+/// A load that a driver was in the middle of when the layout was to change, for the next driver.
+struct OpenStep {
+  Step step;                 ///< as far as it came
+  std::vector<double> start; ///< owned displacement accepted last; AfterSolves have saved what belongs to it [m]
+};
+
 /// Quasi-static equilibrium by SNES: for each load, solve and ask the AfterSolves, again until they are quiet; call
 /// back; go on. A load that cannot be reached is approached by halves.
 class StaticDriver {
@@ -58,8 +68,10 @@ public:
   using Accepted = std::function<Verdict(const Step& step, Vec u)>;
   /// Runs the loads that are left of a path from the state in u, until `accepted` says otherwise, and returns what it
   /// said last. Throws SolverFailure (which load, why, what to try), what `judge` throws, or
-  /// Stopped when a signal came; u and the AfterSolves are then in the state accepted last. Collective.
-  Verdict run(Vec u, LoadPath& path, const Accepted& accepted);
+  /// Stopped when a signal came; u and the AfterSolves are then in the state accepted last. Where `outgrown` says so,
+  /// it leaves within a load. Collective.
+  /// @param open what another driver left within a load; what this one leaves
+  Verdict run(Vec u, LoadPath& path, const Accepted& accepted, std::optional<OpenStep>* open = nullptr);
   /// All loads.
   void run(Vec u, const Accepted& accepted);
   /// The path that `run` begins with by itself.
@@ -75,9 +87,9 @@ private:
   static PetscErrorCode look(KSP, PetscInt iteration, PetscReal norm, void* self);
   static PetscErrorCode record(SNES, PetscInt iteration, PetscReal norm, void* self);
   void configure();
-  void refuse_wrong_krylov() const;
   std::string attempted(Step& step, Vec saved, Vec u);
   std::string equilibrium(Step& step, Vec u);
+  Step begin(Vec u, Vec saved, const LoadPath& path, std::optional<OpenStep>* open);
   std::string solve(Vec u);
   std::string repeat(Vec u);
   std::string attempt(Vec u);
@@ -100,6 +112,7 @@ private:
   bool lags_jacobian_ = false, lags_preconditioner_ = false; // the user chose
   bool follows_ = false;                                     // the preconditioner is built anew with each tangent
   bool own_krylov_tolerance_ = false, own_newton_tolerance_ = false;
+  bool outgrown_ = false;         // the layout is to change within this load
   bool new_load_ = false;         // the next residual is the first at its load
   bool stale_ = true;             // Terms changed since the last tangent
   bool tangent_is_there_ = false; // for the next iterate
@@ -113,7 +126,4 @@ private:
   StaticReport report_;
   int assemblies_before_; // by other drivers
 };
-
-/// The PC types that need no assembled matrix.
-bool works_matrix_free(std::string_view pc_type);
 } // namespace pdx::solve

@@ -55,6 +55,8 @@ public:
   field::State state() const;
   /// Goes on from a state, of this layout or carried to it. Collective.
   void resume(const Clock& clock, const field::State& state);
+  /// The same where rows are new: accelerations and forces are those of u and v. Collective.
+  void resume_changed(const Clock& clock, const field::State& state);
 
 protected:
   /// TS of this name with what all runs have in common, and the user's -ts_... on top.
@@ -65,8 +67,8 @@ protected:
   virtual StepOrigin origin() const { return {}; }
   /// Takes over an acceleration, and where steps are counted from.
   virtual void set_acceleration(const StepOrigin& origin, std::span<const double> a) = 0;
-  /// The acceleration at the start.
-  virtual void start(std::span<double> a) = 0;
+  /// What is held is where it should be, and the acceleration follows from where all is.
+  virtual void start(double time, std::span<double> a) = 0;
   virtual void judge_step(double length) const { (void)length; } ///< throws UserError for one that is too long
   /// Takes internal forces that are no longer there out of the acceleration: the step that ended felt them, the next
   /// one does not.
