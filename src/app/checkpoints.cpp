@@ -99,11 +99,11 @@ std::map<std::string, double> read_numbers(const io::SealedReader& file)
 /// What is wrong with the numbers of a checkpoint, "" if nothing is.
 std::string fault_of(const std::map<std::string, double>& numbers)
 {
-  for (const char* name :
-       {"time", "step", "length", "origin_time", "origin_step", "origin_length", "energy_bound", "initial_energy",
-        "start_bound", "fields", "end", "step_length", "largest_energy", "largest_residual", "converted"})
+  for (const char* name : {"time", "step", "length", "origin_time", "origin_step", "origin_length", "energy_bound",
+                           "initial_energy", "start_bound", "fields", "end", "step_length", "largest_energy",
+                           "largest_residual", "converted", "relocations"})
     if (!numbers.contains(name)) return fmt::format("has no {}", name);
-  for (const char* name : {"step", "origin_step", "fields"})
+  for (const char* name : {"step", "origin_step", "fields", "relocations"})
     if (const double n = numbers.at(name); n < 0.0 || n > 2147483647.0 || n != std::floor(n))
       return fmt::format("has {} {}: must be a whole number from 0 on", name, n);
   for (const char* name : {"time", "length", "origin_time", "origin_length", "end", "step_length"})
@@ -130,7 +130,7 @@ void Checkpoints::read_head()
   int here = std::filesystem::equivalent(directory.empty() ? "." : directory, files_.options.output.directory, none);
   MPI_Bcast(&here, 1, MPI_INT, 0, files_.comm());
   refuse_another(kOptions, given_); // before a scene is built by what the file says
-  from_layout_ = Layout::read(*from_, Layout::given(files_.options));
+  from_layout_ = Layout::read(*from_, Layout::given(files_.options), files_.options.layout.patches_move());
   files_.continued = {here != 0, static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
 }
 

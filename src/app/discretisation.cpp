@@ -249,6 +249,11 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   return result;
 }
 
+adapt::SceneView Discretisation::view(const mesh::Mesh& mesh) const
+{
+  return {mesh, node_rows, sets.get(), around, *bonds, carried, *system.halo, particles};
+}
+
 post::Energies Discretisation::energies(std::span<const double> local) const
 {
   post::Energies mine;

@@ -97,22 +97,28 @@ couple::PatchShape join_boxes(const SceneOptions& options, std::span<const std::
   return shape;
 }
 
-void name_sites(std::span<couple::PatchShape> shapes, geom::Box<2> body)
+void name_sites(std::span<couple::PatchShape> shapes, geom::Box<2> body, std::span<const PdOptions::Anchor> anchors)
 {
   for (const couple::PatchShape& shape : shapes) { // layers of held particles lie outside
     body.lower = body.lower.cwiseMin(shape.box.lower);
     body.upper = body.upper.cwiseMax(shape.box.upper);
   }
-  std::vector<const couple::PatchShape*> first; // of each lattice
+  std::vector<PdOptions::Anchor> lattices;
+  const auto number = [&lattices](const PdOptions::Anchor& of) {
+    const auto one = [&of](const PdOptions::Anchor& other) {
+      const Vector<2> away = spacings(other.corner, of.corner, of.spacing);
+      return same(other.spacing, of.spacing) && std::abs(fraction(away[0])) < 1e-3 &&
+             std::abs(fraction(away[1])) < 1e-3;
+    };
+    const auto known = std::ranges::find_if(lattices, one);
+    const auto place = known - lattices.begin();
+    if (known == lattices.end()) lattices.push_back(of);
+    return place;
+  };
+  for (const PdOptions::Anchor& anchor : anchors) (void)number(anchor);
   for (couple::PatchShape& shape : shapes) {
     const double dx = shape.lattice.dx;
-    const auto one = [&](const couple::PatchShape* other) {
-      const Vector<2> away = spacings(other->lattice.origin, shape.lattice.origin, dx);
-      return same(other->lattice.dx, dx) && std::abs(fraction(away[0])) < 1e-3 && std::abs(fraction(away[1])) < 1e-3;
-    };
-    const auto known = std::ranges::find_if(first, one);
-    shape.names.lattice = known - first.begin();
-    if (known == first.end()) first.push_back(&shape);
+    shape.names.lattice = number({shape.lattice.origin, dx});
     // The body's own corner where the lattice has it, else what of the lattice lies before it.
     std::array<std::int64_t, 2> count{};
     for (std::size_t d = 0; d < 2; ++d) {
@@ -127,6 +133,6 @@ void name_sites(std::span<couple::PatchShape> shapes, geom::Box<2> body)
                                   "sites than can be numbered",
                                   dx, body.size()[0], body.size()[1]));
   }
-  for (couple::PatchShape& shape : shapes) shape.names.lattices = static_cast<std::int64_t>(first.size());
+  for (couple::PatchShape& shape : shapes) shape.names.lattices = static_cast<std::int64_t>(lattices.size());
 }
 } // namespace pdx::app

@@ -13,6 +13,6 @@ std::vector<std::vector<std::size_t>> patches_of_boxes(const SceneOptions& optio
 couple::PatchShape join_boxes(const SceneOptions& options, std::span<const std::size_t> entries);
 
 /// Numbers all sites of the body, and a margin around it, by lattice: patches of one spacing and phase show pieces of
-/// one lattice.
-void name_sites(std::span<couple::PatchShape> shapes, geom::Box<2> body);
+/// one lattice. Lattices have the order of `anchors`, or of the patches where there are none.
+void name_sites(std::span<couple::PatchShape> shapes, geom::Box<2> body, std::span<const PdOptions::Anchor> anchors);
 } // namespace pdx::app

@@ -1,10 +1,13 @@
 #include "pdx/app/layout.hpp"
 
+#include "pdx/geom/box_cover.hpp"
+
 #include <algorithm>
 #include <fmt/format.h>
 
 namespace pdx::app {
 namespace {
+constexpr double kSameSide = 1e-6;                      // of a spacing: sides as near are one
 constexpr const char* kPatches = "/layout_patches"; // spacing, lower and upper corner of each box [m]
 constexpr const char* kCracks = "/layout_cracks";   // number of the crack and a point of it [m]
 
@@ -31,8 +34,11 @@ bool same_patches(const Layout& a, const Layout& b)
 
 Layout Layout::given(const SceneOptions& options)
 {
-  Layout layout{options.pd.patches, {}, options.cracks.lines};
-  for (std::size_t p = 0; p < layout.patches.size(); ++p) layout.spacing.push_back(options.pd.spacing_of(p));
+  Layout layout{options.pd.patches, {}, options.cracks.lines, {}};
+  for (std::size_t p = 0; p < layout.patches.size(); ++p) {
+    layout.spacing.push_back(options.pd.spacing_of(p));
+    layout.anchors.push_back({layout.patches[p].lower, layout.spacing[p]});
+  }
   return layout;
 }
 
@@ -41,9 +47,41 @@ SceneOptions Layout::in(SceneOptions options) const
   if (!patches.empty()) {
     options.pd.patches = patches;
     options.pd.spacing = spacing;
+    options.pd.anchors = anchors;
   }
   options.cracks.lines = cracks;
   return options;
+}
+
+Layout Layout::changed(const adapt::LayoutChange& change) const
+{
+  std::vector<double> spacings; // of the lattices, in order of patches
+  std::vector<std::vector<geom::Box<2>>> boxes;
+  const auto of = [&](double dx) -> std::vector<geom::Box<2>>& {
+    const auto known = std::ranges::find(spacings, dx);
+    if (known != spacings.end()) return boxes[static_cast<std::size_t>(known - spacings.begin())];
+    spacings.push_back(dx);
+    return boxes.emplace_back();
+  };
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    std::vector<geom::Box<2>> left{patches[p]};
+    for (const geom::Box<2>& hole : change.uncover) {
+      std::vector<geom::Box<2>> rest;
+      for (const geom::Box<2>& box : left)
+        for (const geom::Box<2>& piece : geom::without(box, hole, kSameSide * spacing[p])) rest.push_back(piece);
+      left = std::move(rest);
+    }
+    auto& all = of(spacing[p]);
+    all.insert(all.end(), left.begin(), left.end());
+  }
+  for (const auto& [box, dx] : change.cover) of(dx).push_back(box);
+  Layout next{{}, {}, cracks, anchors};
+  for (std::size_t k = 0; k < boxes.size(); ++k)
+    for (const geom::Box<2>& box : geom::joined(std::move(boxes[k]), kSameSide * spacings[k])) {
+      next.patches.push_back(box);
+      next.spacing.push_back(spacings[k]);
+    }
+  return next;
 }
 
 void Layout::write(io::Hdf5File& file) const
@@ -60,9 +98,10 @@ void Layout::write(io::Hdf5File& file) const
   file.dataset(kCracks, std::span<const double>(points), 3);
 }
 
-Layout Layout::read(const io::SealedReader& file, const Layout& given)
+Layout Layout::read(const io::SealedReader& file, const Layout& given, bool patches_move)
 {
   Layout layout;
+  layout.anchors = given.anchors;
   const std::vector<double> boxes = table(file, kPatches, 5), points = table(file, kCracks, 3);
   for (std::size_t k = 0; k < boxes.size(); k += 5) {
     const double* row = boxes.data() + k;
@@ -78,7 +117,8 @@ Layout Layout::read(const io::SealedReader& file, const Layout& given)
     layout.cracks.resize(static_cast<std::size_t>(points[k]) + 1);
     layout.cracks.back().push_back({points[k + 1], points[k + 2]});
   }
-  file.require(kPatches, same_patches(layout, given) ? "" : "is not where the patches of this scene lie");
+  file.require(kPatches,
+               patches_move || same_patches(layout, given) ? "" : "is not where the patches of this scene lie");
   file.require(kCracks, layout.cracks == given.cracks ? "" : "is not where the cracks of this scene run");
   return layout;
 }

@@ -26,14 +26,14 @@ int words_per_particle(const Standing& scene)
   return scene.cloud ? scene.cloud->words_per_particle() : kLatticeWords;
 }
 
-std::vector<std::uint64_t> words_of(const Standing& scene)
+std::vector<std::uint64_t> gone_in(const Standing& scene)
 {
-  if (scene.cloud) return scene.cloud->words();
+  if (scene.cloud) return scene.cloud->gone();
   std::vector<std::uint64_t> words;
   with_bonds(scene, [&](const auto& bonds) {
     for (const auto& part : bonds.parts())
       for (Index k = 0; k < static_cast<Index>(part->sites().size()); ++k)
-        for (const std::uint64_t word : part->words_of(k)) words.push_back(word);
+        for (const std::uint64_t word : part->gone_of(k)) words.push_back(word);
   });
   return words;
 }
@@ -83,7 +83,7 @@ NamedState what_is_owned(const Standing& scene, const SceneNames& names)
   state.particles.assign(names.particles().begin(), names.particles().end());
   if (!breaks(scene)) return state;
   state.words_per_particle = words_per_particle(scene);
-  state.words = words_of(scene);
+  state.gone = gone_in(scene);
   if (!scene.d || !scene.d->carried) return state;
   state.carried = gather_all(system.rows.comm, scene.d->carried->broken());
   std::ranges::sort(*state.carried);
@@ -103,6 +103,19 @@ NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const
   return state;
 }
 
+void add_particles(NamedState& state, const adapt::FreshRows& fresh)
+{
+  const std::size_t count = fresh.names.size();
+  state.rows.insert(state.rows.end(), fresh.names.begin(), fresh.names.end());
+  state.particles.insert(state.particles.end(), fresh.names.begin(), fresh.names.end());
+  state.gone.resize(state.gone.size() + count * static_cast<std::size_t>(state.words_per_particle), 0);
+  if (state.cracks) state.cracks->damage.resize(state.particles.size(), -1.0);
+  std::vector<double>* const moving[] = {&state.moving.u, &state.moving.v};
+  for (std::size_t f = 0; f < fresh.fields.size(); ++f)
+    moving[f]->insert(moving[f]->end(), fresh.fields[f].begin(), fresh.fields[f].end());
+  for (std::vector<double>* later : {&state.moving.a, &state.moving.held}) later->resize(state.moving.u.size(), 0.0);
+}
+
 StateMove::StateMove(const NamedState& state, const Standing& scene)
     : state_(state), scene_(scene), names_(scene), rows_(scene.model->system.rows.comm, state.rows, names_.rows()),
       particles_(scene.model->system.rows.comm, state.particles, names_with_words(scene, names_)), misfit_(misfit_of())
@@ -114,7 +127,7 @@ Misfit StateMove::misfit_of() const
   if (any_rank(scene_.model->system.rows.comm, !rows_.fresh().empty() || !particles_.fresh().empty()))
     return {"/row_names", "has not every row of the scene"};
   if (const int width = breaks(scene_) ? words_per_particle(scene_) : 0; state_.words_per_particle != width)
-    return {"/bond_words", fmt::format("has {} words a particle: must be {}", state_.words_per_particle, width)};
+    return {"/gone_bonds", fmt::format("has {} words a particle: must be {}", state_.words_per_particle, width)};
   if (breaks(scene_) && scene_.d && scene_.d->carried && !state_.carried)
     return {"/broken_carried_bonds", "is missing"};
   if (!state_.cracks) return {};
@@ -140,17 +153,33 @@ void StateMove::break_bonds() const
 {
   const int width = state_.words_per_particle;
   if (width == 0) return;
-  if (scene_.cloud) return scene_.cloud->set_words(particles_.carry(state_.words, width));
+  if (scene_.cloud) return scene_.cloud->set_gone(particles_.carry(state_.gone, width));
   with_bonds(scene_, [&](auto& bonds) {
     for (std::size_t p = 0; p < bonds.parts().size(); ++p) {
       std::vector<field::RowName> wanted; // the words of other ranks' particles too
       for (const Index site : bonds.parts()[p]->word_sites())
         wanted.push_back(names_.particle(static_cast<Index>(p), site));
       const field::RowMove words(scene_.model->system.rows.comm, state_.particles, wanted);
-      bonds.set_words(p, words.carry(state_.words, width));
+      bonds.set_gone(p, words.carry(state_.gone, width));
     }
   });
+  if (scene_.d && scene_.plan && state_.carried) break_joined();
   if (scene_.d && scene_.d->carried) scene_.d->carried->set_broken(*state_.carried);
+}
+
+/// Bonds that left their patch when they broke, and lie in it now.
+void StateMove::break_joined() const
+{
+  pd::BondTerm<2>& bonds = *scene_.d->bonds;
+  for (std::size_t p = 0; p < bonds.parts().size(); ++p) {
+    std::vector<pd::LatticePart<2>::BondAt> within;
+    for (const std::uint64_t key : *state_.carried) {
+      const auto bond = couple::lattice_bond(key, scene_.plan->shapes[p].names, bonds.parts()[p]->stencil());
+      if (bond && bonds.parts()[p]->active().has(bond->lower) && bonds.parts()[p]->begins(bond->lower, bond->arm))
+        within.push_back(*bond);
+    }
+    if (!within.empty()) bonds.set_gone(p, within);
+  }
 }
 
 field::State StateMove::moving() const

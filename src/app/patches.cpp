@@ -117,7 +117,7 @@ PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh)
     plan.entries = patches_of_boxes(options);
     for (const std::vector<std::size_t>& entries : plan.entries) plan.shapes.push_back(join_boxes(options, entries));
   }
-  name_sites(plan.shapes, plan.body);
+  name_sites(plan.shapes, plan.body, options.pd.anchors);
   for (const couple::PatchShape& shape : plan.shapes) {
     const double dx = shape.lattice.dx;
     try {

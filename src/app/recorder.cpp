@@ -29,12 +29,14 @@ void Recorder::built(const Standing& scene)
   if (options_.output.history) open_history();
 }
 
-void Recorder::take_scene(const Standing& scene, const StateMove& move)
+void Recorder::take_scene(const Standing& scene, const StateMove& move, std::span<const double> fresh)
 {
   files_.take_scene(scene);
   d_ = scene.d;
   if (!ledger_) return;
-  const post::LedgerState& before = ledger_->state();
+  post::LedgerState before = ledger_->state();
+  before.u.insert(before.u.end(), fresh.begin(), fresh.end());
+  before.force.resize(before.u.size(), 0.0);
   const int dim = d_->system.rows.dim;
   ledger_ = std::make_unique<post::EnergyLedger>(
       d_->system, post::LedgerState{move.rows(before.u, dim), move.rows(before.force, dim), before.balance});

@@ -2,6 +2,7 @@
 
 #include "pdx/app/checkpoints.hpp"
 #include "pdx/app/load_balance.hpp"
+#include "pdx/app/patch_mover.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/stop_signals.hpp"
 #include "pdx/solve/explicit_driver.hpp"
@@ -21,7 +22,7 @@ public:
   TimeRun(RunFiles& files, const SceneMaker& make)
       : files_(files), implicit_(files.options.time.analysis == Analysis::implicit_dynamics), make_(make),
         layout_(Layout::given(files.options)), recorder_(files), look_(files.comm()),
-        balance_(files.comm(), files.options.layout.rebalance_threshold)
+        balance_(files.comm(), files.options.layout.rebalance_threshold), mover_(files.options)
   {
     if (!implicit_) checkpoints_.emplace(files);
     if (checkpoints_ && checkpoints_->restarted()) layout_ = *checkpoints_->restarted();
@@ -44,8 +45,13 @@ public:
 private:
   void build()
   {
-    const TimeOptions& time = files_.options.time;
     scene_ = make_(layout_, costs_ ? &*costs_ : nullptr);
+    drive();
+  }
+
+  void drive()
+  {
+    const TimeOptions& time = files_.options.time;
     limits_ = scene_->limits();
     if (implicit_)
       driver_ = std::make_unique<solve::ImplicitDriver>(scene_->system());
@@ -79,17 +85,41 @@ private:
     }
   }
 
-  /// Is all to be made anew, and the mesh to be cut anew for it?
+  /// Is all to be made anew, the mesh to be cut anew for it, or patches to move?
   bool change_due()
   {
-    const int interval = files_.options.layout.renew_interval, step = driver_->step();
+    const LayoutOptions& when = files_.options.layout;
+    const int step = driver_->step();
     if (step >= driver_->expected_steps()) return false;
+    change_ = {};
+    if (mover_.active() && step % when.adapt_interval == 0)
+      change_ = mover_.look(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds);
     uneven_ = balance_.due(*driver_);
-    return uneven_ || (interval > 0 && step % interval == 0);
+    return uneven_ || !change_.empty() || (when.renew_interval > 0 && step % when.renew_interval == 0);
   }
 
-  /// The same layout, built anew, on other ranks if that is due: what stood before is gone, but for what it knew by
-  /// name.
+  /// The rows that the change to come makes, with what the scene says of them now.
+  adapt::FreshRows fresh_rows() const
+  {
+    std::vector<double> v;
+    driver_->moving().system.halo->fetch(driver_->v(), driver_->moving().system.rows.dim, v);
+    const std::span<const double> fields[] = {driver_->local(), v};
+    return adapt::fill_particles(scene_->view(), change_.cover, fields);
+  }
+
+  /// Another scene, by `layout_`.
+  void rebuild(bool same_mesh)
+  {
+    if (!same_mesh) {
+      scene_.reset();
+      return build();
+    }
+    scene_->change(layout_);
+    drive();
+  }
+
+  /// The layout to come, or the same, built anew, on other ranks if that is due: what stood before is gone, but for
+  /// what it knew by name.
   void renew()
   {
     static Event event("layout_change");
@@ -99,15 +129,23 @@ private:
     couple::BondBreaker* breaker = files_.scene.model->breaker;
     const pd::Broken broken = breaker ? breaker->mine() : pd::Broken{};
     const solve::TimeDriver::Clock clock = driver_->clock();
-    const NamedState state = capture(files_.scene, *driver_, recorder_.leave_scene(*driver_));
+    NamedState state = capture(files_.scene, *driver_, recorder_.leave_scene(*driver_));
+    const bool moves = !change_.empty();
+    if (moves) {
+      add_particles(state, fresh_rows());
+      layout_ = layout_.changed(change_);
+      ++files_.summary.relocations;
+    }
     balance_.leave(*driver_);
     driver_.reset();
-    scene_.reset();
-    build();
+    rebuild(moves && !uneven_);
     const StateMove move(state, scene_->standing());
     move.require_fit();
     move.break_bonds();
-    driver_->resume(clock, move.moving());
+    if (moves)
+      driver_->resume_changed(clock, move.moving());
+    else
+      driver_->resume(clock, move.moving());
     breaker = scene_->standing().model->breaker;
     if (breaker) breaker->resume(broken);
     recorder_.take_scene(scene_->standing(), *driver_, move.cracks());
@@ -144,7 +182,9 @@ private:
   std::optional<Checkpoints> checkpoints_;
   StopLook look_; // of implicit steps
   LoadBalance balance_;
-  bool uneven_ = false; // the change to come is for the balance
+  PatchMover mover_;
+  adapt::LayoutChange change_; // to come
+  bool uneven_ = false;        // the change to come is for the balance
   std::optional<mesh::MeasuredCosts> costs_;
   std::unique_ptr<Scene> scene_;
   StepLimits limits_;

@@ -1,6 +1,7 @@
 #include "pdx/app/run_static.hpp"
 
 #include "pdx/app/crack_results.hpp"
+#include "pdx/app/patch_mover.hpp"
 #include "pdx/app/recorder.hpp"
 #include "pdx/app/scene.hpp"
 #include "pdx/app/support.hpp"
@@ -75,7 +76,7 @@ class StaticRun {
 public:
   explicit StaticRun(RunFiles& files)
       : files_(files), assembled_(wants_assembled(files.options)), layout_(Layout::given(files.options)),
-        recorder_(files)
+        recorder_(files), mover_(files.options)
   {}
 
   void run()
@@ -122,19 +123,27 @@ private:
 
   void drive(solve::StaticReport before)
   {
-    driver_ =
-        std::make_unique<solve::StaticDriver>(d_->system, steps_of(files_.options, *d_, assembled_), std::move(before));
+    solve::StaticOptions steps = steps_of(files_.options, *d_, assembled_);
+    if (mover_.active())
+      steps.outgrown = [this](std::span<const double>) {
+        change_ = mover_.look(d_->view(ground_->mesh), ground_->plan, d_->fracture->broken());
+        return !change_.empty();
+      };
+    driver_ = std::make_unique<solve::StaticDriver>(d_->system, steps, std::move(before));
   }
 
   /// Solves until the loads end or the layout is to change.
   Verdict load(solve::LoadPath& path)
   {
     try {
-      return driver_->run(u_.get(), path, [&](const solve::Step& step, Vec state) {
-        recorder_.accept(step, state, *driver_, prior_);
-        const int interval = files_.options.layout.renew_interval;
-        return interval > 0 && step.number % interval == 0 && !path.done() ? Verdict::relayout : Verdict::go_on;
-      });
+      return driver_->run(
+          u_.get(), path,
+          [&](const solve::Step& step, Vec state) {
+            recorder_.accept(step, state, *driver_, prior_);
+            const int interval = files_.options.layout.renew_interval;
+            return interval > 0 && step.number % interval == 0 && !path.done() ? Verdict::relayout : Verdict::go_on;
+          },
+          &open_);
     } catch (const SolverFailure&) {
       recorder_.count(driver_->report());
       files_.after_failure([&] { recorder_.stopped_at(u_.get()); });
@@ -153,28 +162,74 @@ private:
     }
   }
 
-  /// The same layout, built anew: what stood before is gone, but for what it knew by name.
+  /// A state of the scene, and of the rows to come.
+  struct Moment {
+    NamedState state;
+    pd::Broken broken;
+    std::vector<double> fresh; ///< displacement of rows to come [m]
+  };
+  Moment moment(std::span<const double> u)
+  {
+    Moment now{capture(standing()), d_->fracture ? d_->fracture->all() : pd::Broken{}, {}};
+    now.state.moving.u.assign(u.begin(), u.end());
+    if (change_.empty()) return now;
+    std::vector<double> local;
+    d_->system.halo->fetch(u, now.state.dim, local);
+    const std::span<const double> fields[] = {local};
+    adapt::FreshRows fresh = adapt::fill_particles(d_->view(ground_->mesh), change_.cover, fields);
+    add_particles(now.state, fresh);
+    now.fresh = std::move(fresh.fields[0]);
+    return now;
+  }
+
+  /// Takes over what is broken, and returns the displacement.
+  std::vector<double> take(const StateMove& move, const Moment& moment)
+  {
+    move.require_fit();
+    move.break_bonds();
+    if (d_->fracture) d_->fracture->resume(moment.broken);
+    return move.rows(moment.state.moving.u, moment.state.dim);
+  }
+
+  /// The layout to come, or the same, built anew: what stood before is gone, but for what it knew by name. Within a
+  /// load the state accepted last goes along, to go back to.
   void renew()
   {
     static Event event("layout_change");
     const Timed timed(event);
     const NoStop whole; // the next step or load sees a signal that comes now
-    const NamedState state = capture(standing());
-    const std::vector<double> u = field::owned_values(u_.get());
-    const pd::Broken broken = d_->fracture ? d_->fracture->all() : pd::Broken{};
+    const Moment now = moment(field::owned_values(u_.get()));
+    std::optional<Moment> accepted;
+    if (open_) {
+      for (const auto& after : d_->system.after) after->restore();
+      accepted = moment(open_->start);
+    }
     solve::StaticReport report = driver_->report();
     driver_.reset();
     d_.reset();
-    ground_ = std::make_unique<Ground>(files_.comm(), layout_.in(files_.options));
-    ground_->lay_particles();
-    build();
-    const StateMove move(state, standing());
-    move.require_fit();
-    move.break_bonds();
-    if (d_->fracture) d_->fracture->resume(broken);
-    field::set_owned_values(u_.get(), move.rows(u, state.dim));
-    recorder_.take_scene(standing(), move);
+    rebuild();
+    if (open_) {
+      open_->start = take(StateMove(accepted->state, standing()), *accepted);
+      for (const auto& after : d_->system.after) after->save();
+    }
+    const StateMove move(now.state, standing());
+    field::set_owned_values(u_.get(), take(move, now));
+    recorder_.take_scene(standing(), move, accepted ? accepted->fresh : now.fresh);
     drive(std::move(report));
+    change_ = {};
+  }
+
+  void rebuild()
+  {
+    if (change_.empty()) {
+      ground_ = std::make_unique<Ground>(files_.comm(), layout_.in(files_.options));
+      ground_->lay_particles();
+    } else {
+      layout_ = layout_.changed(change_);
+      ++files_.summary.relocations;
+      ground_->lay_again(layout_.in(ground_->options));
+    }
+    build();
   }
 
   RunFiles& files_;
@@ -182,6 +237,9 @@ private:
   Layout layout_;
   Recorder recorder_;
   Prior prior_;
+  PatchMover mover_;
+  adapt::LayoutChange change_;          // to come
+  std::optional<solve::OpenStep> open_; // a load that it comes within
   std::unique_ptr<Ground> ground_;
   std::unique_ptr<Discretisation> d_;           // on ground_
   std::unique_ptr<solve::StaticDriver> driver_; // on d_

@@ -47,11 +47,22 @@ void Ground::lay_particles()
   stop_if_told(mesh.comm());
 }
 
+void Ground::lay_again(SceneOptions given)
+{
+  options = std::move(given);
+  mesh_options = options.mesh;
+  plan = judged_plan(options, mesh_options);
+  mesh.uncover();
+  swarm = pd::Particles(mesh.comm());
+  lay_particles();
+}
+
 std::vector<std::string> Ground::warnings() const
 {
   std::vector<std::string> all{correction_warning(options, plan)};
   if (options.pd.everywhere) all.push_back(thin_warning(options, plan));
-  if (options.pd.any()) all.push_back(corner_warning(plan, mesh.bounds(), options.frame));
+  if (options.pd.any() && !options.layout.patches_move())
+    all.push_back(corner_warning(plan, mesh.bounds(), options.frame));
   return all;
 }
 
@@ -62,16 +73,28 @@ public:
       : ground_(comm, std::move(options), costs)
   {
     ground_.lay_particles();
-    const bool assembled = ground_.options.time.analysis == Analysis::implicit_dynamics;
-    d_ = discretise(ground_.mesh, ground_.options, ground_.plan, std::move(ground_.particles), assembled);
-    stop_if_told(comm);
+    build();
   }
   Standing standing() override { return {&ground_.mesh, &ground_.plan, d_.get()}; }
   field::System& system() override { return d_->system; }
   StepLimits limits() override { return limits_of<2>(ground_.plan.stencils, d_->system); }
   std::vector<std::string> warnings() override { return ground_.warnings(); }
+  adapt::SceneView view() const override { return d_->view(ground_.mesh); }
+  void change(const Layout& layout) override
+  {
+    d_.reset();
+    ground_.lay_again(layout.in(ground_.options));
+    build();
+  }
 
 private:
+  void build()
+  {
+    const bool assembled = ground_.options.time.analysis == Analysis::implicit_dynamics;
+    d_ = discretise(ground_.mesh, ground_.options, ground_.plan, std::move(ground_.particles), assembled);
+    stop_if_told(ground_.mesh.comm());
+  }
+
   Ground ground_;
   std::unique_ptr<Discretisation> d_;
 };

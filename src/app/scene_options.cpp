@@ -1,6 +1,7 @@
 #include "pdx/app/scene_options.hpp"
 
 #include "pdx/app/cloud_body.hpp"
+#include "pdx/app/patch_mover.hpp"
 #include "pdx/base/number.hpp"
 #include "pdx/base/shown.hpp"
 #include "pdx/law/bond.hpp"
@@ -277,6 +278,7 @@ OutputOptions read_output(const std::string& case_name, bool dynamic)
 
 void judge_time(const SceneOptions& s)
 {
+  PatchMover::judge(s);
   if (!s.output.times.empty() && !Options("output").given("-output_fields"))
     throw UserError("-output_times say when fields are written: give -output_fields too");
   if (s.time.checkpoint.any() && s.time.analysis != Analysis::explicit_dynamics)

@@ -74,6 +74,25 @@ LayoutOptions LayoutOptions::read()
              "explicit: time of the busiest rank over the mean above which cells are dealt out anew "
              "by what they take; 0: never",
              Range::at_least(0.0));
+  static constexpr const char* kinds[] = {"none", "expand"};
+  l.adapt = static_cast<Adapt>(
+      o.choice("-adapt", 0, kinds, "what patches do while cracks grow: nothing, or elements ahead become particles"));
+  l.critical_length =
+      o.real("-adapt_critical_length", 0.0, "m",
+             "patches move where bonds broke as near to elements; 0: explicit the larger of 3 horizons and an element, "
+             "static 2 horizons",
+             Range::at_least(0.0));
+  l.expansion_length =
+      o.real("-adapt_expansion_length", 0.0, "m",
+             "elements with a node as near to such bonds become particles; 0: explicit the larger of 7 horizons and 2 "
+             "elements, static 4 horizons",
+             Range::at_least(0.0));
+  l.adapt_interval =
+      o.integer("-adapt_every", 1, "explicit: steps from one look for such bonds to the next", {1.0, 1e9});
+  if (l.critical_length > 0.0 && l.expansion_length > 0.0 && !(l.expansion_length > l.critical_length))
+    throw UserError(fmt::format("-adapt_expansion_length is {}: must be above the {} of -adapt_critical_length, or "
+                                "patches never move away from what broke",
+                                l.expansion_length, l.critical_length));
   if (l.rebalance_threshold > 0.0 && l.rebalance_threshold < kLeastThreshold)
     throw UserError(fmt::format("-rebalance_threshold is {}: must be 0 (never) or at least {}", l.rebalance_threshold,
                                 kLeastThreshold));

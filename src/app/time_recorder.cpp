@@ -58,7 +58,10 @@ void TimeRecorder::take_scene(const Standing& scene, const solve::TimeDriver& dr
 
 TimeRecorder::Notes TimeRecorder::notes() const
 {
-  return {{"largest_energy", largest_energy_}, {"largest_residual", largest_residual_}, {"converted", converted_}};
+  return {{"largest_energy", largest_energy_},
+          {"largest_residual", largest_residual_},
+          {"converted", converted_},
+          {"relocations", static_cast<double>(files_.summary.relocations)}};
 }
 
 MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
@@ -110,6 +113,7 @@ void TimeRecorder::take_notes(const Notes& notes)
   largest_energy_ = notes.at("largest_energy");
   largest_residual_ = notes.at("largest_residual");
   converted_ = notes.at("converted");
+  files_.summary.relocations = std::llround(notes.at("relocations"));
 }
 
 void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEnergies& e)

@@ -79,12 +79,6 @@ std::int64_t Fracture::apply(std::span<const double> u)
   return broken.bonds;
 }
 
-void Fracture::resume(const pd::Broken& all)
-{
-  now_ = all;
-  save();
-}
-
 void Fracture::save()
 {
   bonds_.save();

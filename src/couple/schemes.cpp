@@ -245,6 +245,17 @@ void complete(std::vector<Draft>& drafts, const Part& part)
 }
 } // namespace
 
+std::optional<pd::LatticePart<2>::BondAt> lattice_bond(std::uint64_t key, const geom::SiteNames& names,
+                                                       const pd::Stencil<2>& stencil)
+{
+  const std::uint64_t bond = key / kParts;
+  const bool forward = bond % 2;
+  const auto arm = static_cast<std::size_t>(bond / 2 % pd::kMaxHalfArms);
+  const std::optional<Site<2>> site = names.site(bond / 2 / pd::kMaxHalfArms);
+  if (!site || arm >= stencil.half.size()) return std::nullopt;
+  return pd::LatticePart<2>::BondAt{forward ? *site : stepped(*site, stencil.half[arm].step, -1), arm};
+}
+
 pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stencil, Scheme scheme)
 {
   if (scheme == Scheme::energy)

@@ -246,6 +246,21 @@ std::optional<Host> Surroundings::host_on(const Side& side, const Vector<2>& x, 
   return host ? host : trace.at(s);
 }
 
+double Surroundings::distance(const Vector<2>& x) const
+{
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Side& side : sides_)
+    for (std::size_t k = 0; k < side.edges.size(); ++k) {
+      std::size_t last = k; // edges that meet are one
+      while (last + 1 < side.edges.size() && Trace::joined(side.edges[last], side.edges[last + 1])) ++last;
+      const auto d = static_cast<Eigen::Index>(side.line.axis);
+      const double along = x[1 - d] - std::clamp(x[1 - d], side.edges[k].begin, side.edges[last].end);
+      nearest = std::min(nearest, std::hypot(x[d] - side.face, along));
+      k = last;
+    }
+  return nearest;
+}
+
 double Surroundings::shortest_edge() const
 {
   double shortest = std::numeric_limits<double>::infinity();

@@ -8,7 +8,7 @@
 
 // How Surroundings come about: each rank looks at its own cells, then all know all.
 namespace pdx::couple {
-Host Surroundings::host_in_cell(const Scene& scene, Index cell, const Vector<2>& x)
+Host host_in_cell(const ElementView& scene, Index cell, const Vector<2>& x)
 {
   const auto weights = mesh::bilinear_weights(scene.mesh.corners(cell), x);
   const xfem::CutElement* cut = scene.sets ? scene.sets->cut(cell) : nullptr;
@@ -24,7 +24,7 @@ Host Surroundings::host_in_cell(const Scene& scene, Index cell, const Vector<2>&
   return host;
 }
 
-void Surroundings::find_outside(const Scene& scene, std::span<const Surroundings> patches,
+void Surroundings::find_outside(const ElementView& scene, std::span<const Surroundings> patches,
                                 std::vector<OutsideRecord>& found)
 {
   const mesh::Mesh& mesh = scene.mesh;
@@ -42,7 +42,7 @@ void Surroundings::find_outside(const Scene& scene, std::span<const Surroundings
     }
 }
 
-Surroundings::Edge Surroundings::edge_of(const Scene& scene, Index behind, std::array<Index, 2> vertices,
+Surroundings::Edge Surroundings::edge_of(const ElementView& scene, Index behind, std::array<Index, 2> vertices,
                                          Eigen::Index along)
 {
   const mesh::Mesh& mesh = scene.mesh;
@@ -68,7 +68,8 @@ Surroundings::Edge Surroundings::edge_of(const Scene& scene, Index behind, std::
   return edge;
 }
 
-void Surroundings::find_edges(const Scene& scene, std::span<const Surroundings> patches, std::vector<EdgeRecord>& found)
+void Surroundings::find_edges(const ElementView& scene, std::span<const Surroundings> patches,
+                              std::vector<EdgeRecord>& found)
 {
   const mesh::Mesh& mesh = scene.mesh;
   const auto key = [](Index a, Index b) {
@@ -108,7 +109,7 @@ std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span
   }
   std::vector<OutsideRecord> outside;
   std::vector<EdgeRecord> edges;
-  const Scene scene{mesh, node_rows, sets};
+  const ElementView scene{mesh, node_rows, sets};
   find_outside(scene, all, outside);
   find_edges(scene, all, edges);
   for (const OutsideRecord& record : gather_all(mesh.comm(), outside)) {

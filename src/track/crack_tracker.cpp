@@ -28,7 +28,8 @@ void CrackTracker::look(double time, std::span<const pd::Particle> particles, st
 {
   std::vector<Arrival> mine;
   for (std::size_t k = 0; k < before_.size(); ++k) {
-    if (damage[k] < threshold_ - kDamageRounding || before_[k] >= threshold_ - kDamageRounding) continue;
+    const double near = threshold_ - kDamageRounding;
+    if (damage[k] < near || before_[k] >= near || before_[k] < 0.0) continue;
     const double share = std::min(1.0, (threshold_ - before_[k]) / (damage[k] - before_[k]));
     mine.push_back({particles[k].patch, particles[k].site, time_ + share * (time - time_)});
   }

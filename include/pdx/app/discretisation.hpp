@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/adapt/scene_view.hpp"
 #include "pdx/app/model.hpp"
 #include "pdx/app/patches.hpp"
 #include "pdx/couple/fracture.hpp"
@@ -24,6 +25,7 @@ struct Discretisation final : Model {
   std::unique_ptr<couple::LooseParts> loose_parts; ///< null in time, where nothing must be held
   couple::Fracture* fracture = nullptr;            ///< borrowed from system.after; null in time or if nothing can break
   std::int64_t bonds_at_start = 0;                 ///< of all ranks, after the cracks that were given
+  adapt::SceneView view(const mesh::Mesh& mesh) const; ///< there are patches
   post::Energies energies(std::span<const double> local) const override;
   Tiles tiles() const override { return bonds ? Tiles{bonds->tiles_computed(), bonds->tiles_skipped()} : Tiles{}; }
   /// Strain energy density per owned row, bonds that leave their patch included; 0 where no particle is [J/m^3].

@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/adapt/layout_change.hpp"
 #include "pdx/app/scene_options.hpp"
 #include "pdx/io/hdf5_file.hpp"
 #include "pdx/io/sealed_reader.hpp"
@@ -9,15 +10,19 @@ struct Layout {
   std::vector<geom::Box<2>> patches; ///< boxes of particles; none where all of the body is one patch [m]
   std::vector<double> spacing;       ///< of each [m]
   std::vector<crack::Polyline> cracks;
+  std::vector<PdOptions::Anchor> anchors; ///< of the patches that were given: sites are named by them
 
   /// That of the options, settled.
   static Layout given(const SceneOptions& options);
   /// The options of a scene with this layout.
   SceneOptions in(SceneOptions options) const;
+  /// Another, in which some cells have changed hands.
+  Layout changed(const adapt::LayoutChange& change) const;
 
   /// Its tables in a checkpoint. Collective.
   void write(io::Hdf5File& file) const;
-  /// Throws UserError for tables that make no layout, or another than the scene was given. Collective.
-  static Layout read(const io::SealedReader& file, const Layout& given);
+  /// Throws UserError for tables that make no layout, or another than the scene was given, unless its patches move.
+  /// Collective.
+  static Layout read(const io::SealedReader& file, const Layout& given, bool patches_move);
 };
 } // namespace pdx::app

@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/adapt/fill.hpp"
 #include "pdx/app/crack_watch.hpp"
 #include "pdx/app/scene_names.hpp"
 #include "pdx/field/row_move.hpp"
@@ -13,7 +14,7 @@ struct NamedCracks {
   std::vector<field::RowName> arrivals; ///< of all ranks, in order of looks
   std::vector<double> arrival_times;    ///< of each [s]
   std::vector<int> per_look;            ///< how many of them each look saw
-  std::vector<double> damage;           ///< at the last look, one for each of `NamedState::particles`
+  std::vector<double> damage; ///< at the last look, one for each of `NamedState::particles`; below 0: not looked at yet
 };
 
 /// All that a scene has come to, by names that outlive its ranks and its layout: what another layout, a checkpoint and
@@ -23,8 +24,8 @@ struct NamedState {
   std::vector<field::RowName> rows; ///< RowName() for none
   field::State moving;              ///< of `rows`, in time; empty in statics
   std::vector<field::RowName> particles;
-  int words_per_particle = 0;       ///< 0 where nothing can break
-  std::vector<std::uint64_t> words; ///< of bonds, so many for each of `particles`
+  int words_per_particle = 0;      ///< 0 where nothing can break
+  std::vector<std::uint64_t> gone; ///< bonds that broke or were cut, so many words for each of `particles`
   /// Names of carried bonds that broke, of all ranks, ascending; none where there are no carried bonds.
   std::optional<std::vector<std::uint64_t>> carried;
   std::optional<NamedCracks> cracks; ///< as a CrackWatch has seen them; none without one
@@ -34,6 +35,10 @@ struct NamedState {
 NamedState capture(const Standing& scene);
 /// The same of a scene in time. Collective.
 NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks);
+
+/// Adds particles that the next layout will have to what a scene in the plane owns: nothing of theirs is broken.
+/// @param fresh displacement, velocity
+void add_particles(NamedState& state, const adapt::FreshRows& fresh);
 
 /// Why a state does not fit a scene, and in which table of a checkpoint that stands.
 struct Misfit {
@@ -60,6 +65,7 @@ public:
 
 private:
   Misfit misfit_of() const;
+  void break_joined() const;
 
   const NamedState& state_;
   Standing scene_;

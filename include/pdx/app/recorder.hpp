@@ -16,8 +16,9 @@ class Recorder {
 public:
   explicit Recorder(RunFiles& files) : files_(files), options_(files.options) {}
   void built(const Standing& scene);
-  /// What is booked by row goes on in another scene. @param move from the scene before to it
-  void take_scene(const Standing& scene, const StateMove& move);
+  /// What is booked by row goes on in another scene.
+  /// @param move from the scene before, and behind it new rows with displacement `fresh` at the last accepted load [m]
+  void take_scene(const Standing& scene, const StateMove& move, std::span<const double> fresh = {});
   void accept(const solve::Step& step, Vec u, const solve::StaticDriver& driver, const Prior& prior);
   void count(const solve::StaticReport& report); ///< what it cost so far, for the summary
   void finish(const solve::StaticReport& report);

@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/adapt/scene_view.hpp"
 #include "pdx/app/layout.hpp"
 #include "pdx/app/patches.hpp"
 #include "pdx/app/run_files.hpp"
@@ -21,6 +22,9 @@ struct Ground {
   Ground& operator=(const Ground&) = delete;
   /// Covers cells and fills the patches, where there are any. Collective.
   void lay_particles();
+  /// Another layout on the same mesh: patches move, cells change hands. Collective.
+  /// @param given with that layout
+  void lay_again(SceneOptions given);
   std::vector<std::string> warnings() const; ///< of what is odd but allowed, "" for none
 };
 
@@ -31,6 +35,10 @@ public:
   virtual Standing standing() = 0;
   virtual field::System& system() = 0;
   virtual StepLimits limits() = 0; ///< Collective.
+  /// What can be asked to move the patches; throws std::logic_error where there are none that move.
+  virtual adapt::SceneView view() const { throw std::logic_error("a scene without patches that move"); }
+  /// Another layout on the same mesh takes the place of this one. Collective.
+  virtual void change(const Layout&) { throw std::logic_error("a scene without patches that move"); }
   virtual std::vector<std::string> warnings() { return {}; }
 };
 

@@ -44,6 +44,11 @@ struct PdOptions {
   std::string cloud;                 ///< file of particles that lie anywhere; they stand alone
   double horizon = 0.0;              ///< of a cloud [m]
   std::vector<double> spacing;       ///< one, or one per patch [m]
+  struct Anchor {
+    Vector<2> corner;     ///< of a cell of the lattice [m]
+    double spacing = 0.0; ///< [m]
+  };
+  std::vector<Anchor> anchors; ///< lattices of the patches that were given, twice or more is once; none: of `patches`
   double horizon_ratio = 4.0;
   law::Micromodulus micromodulus = law::Micromodulus::conical;
   pd::Calibration calibration = pd::Calibration::lattice;

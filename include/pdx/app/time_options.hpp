@@ -22,12 +22,23 @@ struct CheckpointOptions {
   static CheckpointOptions read();
 };
 
+/// What patches do while cracks grow. expand: elements ahead become particles.
+enum class Adapt { none, expand };
+
 /// When a scene changes its layout.
 struct LayoutOptions {
   int renew_interval = 0; ///< steps after which all is built anew as it was, to show that it changes nothing; 0: never
   double rebalance_threshold = 0.0; ///< busiest rank over the mean, above which cells are dealt out anew; 0: never
+  Adapt adapt = Adapt::none;
+  double critical_length = 0.0;  ///< damage as near to elements moves the border; 0: by horizon and elements [m]
+  double expansion_length = 0.0; ///< elements as near to such damage become particles; 0: likewise [m]
+  int adapt_interval = 1;        ///< steps from one look for such damage to the next
 
-  bool may_change(int ranks) const { return renew_interval > 0 || (rebalance_threshold > 0.0 && ranks > 1); }
+  bool patches_move() const { return adapt != Adapt::none; }
+  bool may_change(int ranks) const
+  {
+    return patches_move() || renew_interval > 0 || (rebalance_threshold > 0.0 && ranks > 1);
+  }
   static LayoutOptions read();
 };
 

@@ -34,7 +34,7 @@ public:
   void restore() override;
 
   /// Goes on from what was broken before, on all ranks; the bonds themselves are broken already.
-  void resume(const pd::Broken& all);
+  void resume(const pd::Broken& all) { now_ = all; }
   const pd::Broken& all() const { return now_; }     ///< of all ranks, since the start
   std::int64_t broken() const { return now_.bonds; } ///< on all ranks, since the start [-]
   double dissipated() const { return now_.energy; }  ///< strain energy of the bonds when they broke, all ranks [J]

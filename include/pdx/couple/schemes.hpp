@@ -28,6 +28,11 @@ struct CouplingOptions {
 /// body ends within a horizon: the outer part is the elements' business.
 pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stencil, Scheme scheme);
 
+/// The bond of the lattice that a carried bond is, or is a part of, by the key of that; none if it is of another
+/// lattice.
+std::optional<pd::LatticePart<2>::BondAt> lattice_bond(std::uint64_t key, const geom::SiteNames& names,
+                                                       const pd::Stencil<2>& stencil);
+
 /// The carried bonds of all patches that touch a row of this rank. Collective.
 /// Throws UserError if a patch lies so near to another that its ghosts find no element.
 std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const CouplingOptions& options,

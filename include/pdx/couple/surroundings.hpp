@@ -26,6 +26,16 @@ struct Host {
   bool mix(const Host& other); ///< becomes the mean of both; false, and of no use, if there is no room
 };
 
+/// The elements of a scene, and what moves them.
+struct ElementView {
+  const mesh::Mesh& mesh;
+  std::span<const PetscInt> node_rows; ///< global row of every local vertex, -1 under a patch
+  const xfem::EnrichedSets* sets;      ///< numbered; null without cracks
+};
+
+/// A point of an element, on the side of its crack on which it lies [XPD2 Eq. 14].
+Host host_in_cell(const ElementView& scene, Index cell, const Vector<2>& x);
+
 /// What lies around one patch, the same on every rank: the mesh edges of its interface and the lattice sites outside
 /// that have material, with the elements that hold them.
 class Surroundings {
@@ -55,6 +65,8 @@ public:
   /// @param zone  lattice cells beside the body's free sides whose trace is averaged as that of one: bonds with surface
   /// factors share the tension out unevenly, but all in all as a uniform traction there
   std::optional<Host> edge_host(const Vector<2>& x, const Vector<2>& inward, Index zone = 0) const;
+  /// From x to the nearest interface edge, infinite if there is none [m].
+  double distance(const Vector<2>& x) const;
   /// Length of the shortest interface edge, infinite if there is none [m].
   double shortest_edge() const;
   /// Box around the interface edges that have a row of [first, end), empty if there are none.
@@ -94,16 +106,9 @@ private:
   std::optional<Host> host_on(const Side& side, const Vector<2>& x, const Vector<2>& inward, Index zone) const;
   int side_of(const Vector<2>& a, const Vector<2>& b) const;
   bool in_band(const Site<2>& site) const;
-  /// What a survey looks at.
-  struct Scene {
-    const mesh::Mesh& mesh;
-    std::span<const PetscInt> node_rows;
-    const xfem::EnrichedSets* sets;
-  };
-  static Host host_in_cell(const Scene& scene, Index cell, const Vector<2>& x);
-  static Edge edge_of(const Scene& scene, Index behind, std::array<Index, 2> vertices, Eigen::Index along);
-  static void find_outside(const Scene&, std::span<const Surroundings>, std::vector<OutsideRecord>&);
-  static void find_edges(const Scene&, std::span<const Surroundings>, std::vector<EdgeRecord>&);
+  static Edge edge_of(const ElementView& scene, Index behind, std::array<Index, 2> vertices, Eigen::Index along);
+  static void find_outside(const ElementView&, std::span<const Surroundings>, std::vector<OutsideRecord>&);
+  static void find_edges(const ElementView&, std::span<const Surroundings>, std::vector<EdgeRecord>&);
 
   PatchShape shape_;
   Index band_;

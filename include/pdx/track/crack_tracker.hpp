@@ -38,7 +38,8 @@ public:
     double time = 0.0, largest_speed = 0.0;
     std::vector<Arrival> arrivals; ///< of all ranks, in order of looks
     std::vector<int> per_look;     ///< how many of them each look saw that saw any
-    std::vector<double> damage;    ///< of the owned particles at the last look; empty: the next look begins anew
+    std::vector<double> damage;    ///< of the owned particles at the last look; empty: the next look begins anew;
+                                   ///< below 0: of a particle that is new, as one at the first look
   };
   State state() const;
   /// For a tracker that has not looked yet; `now().speed` is known after the next look. Alike on every rank but for the

@@ -1,0 +1,17 @@
+#pragma once
+#include "pdx/adapt/layout_change.hpp"
+#include "pdx/adapt/scene_view.hpp"
+
+namespace pdx::adapt {
+/// Distances that steer a patch. [m]
+struct Reaches {
+  double critical = 0.0;  ///< from damage to the interface, below which the patch grows
+  double expansion = 0.0; ///< from such damage to a node of an element, below which that becomes particles
+};
+
+/// The elements that are to become particles: those with a node nearer than `expansion` to a particle that lost a bond
+/// and is nearer than `critical` to the interface [XPD2 Eqs. 10-14]. Elements that the lattice of the patch does not
+/// divide stay. Alike on every rank, in the order of natural numbers. Collective.
+/// @param reaches one per patch
+std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches);
+} // namespace pdx::adapt

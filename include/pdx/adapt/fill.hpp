@@ -1,0 +1,18 @@
+#pragma once
+#include "pdx/adapt/layout_change.hpp"
+#include "pdx/adapt/scene_view.hpp"
+#include "pdx/field/row_name.hpp"
+
+namespace pdx::adapt {
+/// Rows that another layout will have, with what they begin with.
+struct FreshRows {
+  std::vector<field::RowName> names;
+  std::vector<std::vector<double>> fields; ///< two components for each name
+};
+
+/// The particles that elements become on this rank: each field as the element carries it there [XPD2 Eq. 14], bent by
+/// the gradients at its nodes where no crack cuts it. Collective.
+/// @param fields local blocks [owned | halo] of the scene as it stands
+FreshRows fill_particles(const SceneView& scene, std::span<const LayoutChange::Cover> covers,
+                         std::span<const std::span<const double>> fields);
+} // namespace pdx::adapt

@@ -1,0 +1,23 @@
+#pragma once
+#include "pdx/adapt/scene_view.hpp"
+
+#include <functional>
+
+namespace pdx::adapt {
+/// Gradients of fields at mesh vertices: of the quadratic through the vertex that fits best, by least squares, the
+/// nodes and particles of the cells around it that no crack hides; of the plane, where those are too few.
+class NodalGradients {
+public:
+  /// @param wanted says whether a vertex with a row is of interest, alike on every rank
+  /// @param fields local blocks [owned | halo] of two components each. Collective.
+  NodalGradients(const SceneView& scene, const std::function<bool(const Vector<2>&)>& wanted,
+                 std::span<const std::span<const double>> fields);
+  /// d f_i / d x_j of a field at a local vertex that was wanted, none where damaged particles or too few neighbours
+  /// are.
+  std::optional<Tensor<2>> at(Index vertex, std::size_t field) const;
+
+private:
+  std::size_t width_; // of a vertex
+  std::vector<double> values_;
+};
+} // namespace pdx::adapt

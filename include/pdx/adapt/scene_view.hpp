@@ -1,0 +1,20 @@
+#pragma once
+#include "pdx/couple/fracture.hpp"
+#include "pdx/couple/surroundings.hpp"
+#include "pdx/pd/particles.hpp"
+
+namespace pdx::adapt {
+inline constexpr double kBroken = 1e-9; ///< of damage: less is rounding [-]
+
+/// What of a scene is looked at to move its patches; lent for one call.
+struct SceneView {
+  const mesh::Mesh& mesh;
+  std::span<const PetscInt> node_rows;          ///< global row of each local vertex, -1 under a patch
+  const xfem::EnrichedSets* sets;               ///< numbered; null without cracks
+  std::span<const couple::Surroundings> around; ///< one per patch
+  const pd::BondTerm<2>& bonds;
+  const couple::CarriedBonds<2>* carried; ///< null without an interface
+  const field::RowHalo& halo;
+  std::span<const pd::Particle> particles; ///< owned, in order of rows
+};
+} // namespace pdx::adapt

@@ -1,0 +1,24 @@
+#pragma once
+#include "pdx/adapt/expansion.hpp"
+#include "pdx/app/patches.hpp"
+
+namespace pdx::app {
+/// Says when patches move and where to, as the options ask for it. All methods are collective.
+class PatchMover {
+public:
+  /// Throws UserError where options ask for what no patch can do.
+  static void judge(const SceneOptions& options);
+
+  explicit PatchMover(const SceneOptions& options) : options_(options) {}
+
+  bool active() const { return options_.layout.patches_move(); }
+  /// Where bonds broke since the last call. @param broken bonds that this rank counts, since the start
+  adapt::LayoutChange look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken);
+
+private:
+  adapt::Reaches reaches(const couple::Surroundings& around, double horizon) const;
+
+  const SceneOptions& options_;
+  std::int64_t broken_ = 0; // at the last look, this rank
+};
+} // namespace pdx::app

@@ -1,0 +1,174 @@
+#include "pdx/adapt/nodal_gradients.hpp"
+
+#include "pdx/mesh/vertex_halo.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
+
+namespace pdx::adapt {
+namespace {
+constexpr double kSingular = 1e-6;  // smallest over largest eigenvalue of equations that say enough
+constexpr Eigen::Index kTerms = 5;  // of a quadratic without its constant
+constexpr std::size_t kMatrix = 25; // entries
+using Terms = Eigen::Matrix<double, kTerms, 1>;
+using Normal = Eigen::Matrix<double, kTerms, kTerms>;
+
+Terms terms_of(const Vector<2>& d) { return {d[0], d[1], 0.5 * d[0] * d[0], d[0] * d[1], 0.5 * d[1] * d[1]}; }
+
+/// Normal equations of each vertex, this rank's share: matrix, right sides, and damaged particles.
+class Equations {
+public:
+  Equations(const SceneView& scene, const std::function<bool(const Vector<2>&)>& wanted,
+            std::span<const std::span<const double>> fields)
+      : scene_(scene), fields_(fields), sides_(2 * fields.size()), width_(kMatrix + kTerms * sides_ + 1),
+        scale_(scene.around.front().shortest_edge()), place_(static_cast<std::size_t>(scene.mesh.vertices()), -1)
+  {
+    for (Index v = 0; v < scene.mesh.vertices(); ++v)
+      if (scene.node_rows[static_cast<std::size_t>(v)] >= 0 && wanted(scene.mesh.point(v)))
+        place_[static_cast<std::size_t>(v)] = count_++;
+    sums_.assign(static_cast<std::size_t>(count_) * width_, 0.0);
+  }
+
+  void add_nodes()
+  {
+    const mesh::Mesh& mesh = scene_.mesh;
+    for (Index c = 0; c < mesh.owned_cells(); ++c) {
+      if (mesh.use(c) == mesh::Use::covered) continue;
+      const auto& cell = mesh.cell(c);
+      for (const Index a : cell)
+        for (const Index b : cell)
+          if (a != b && is_wanted(a)) add(a, {mesh.point(b), row_of(b), 1.0});
+    }
+  }
+
+  void add_particles()
+  {
+    const couple::ParticleDamage all = couple::particle_damage(scene_.halo.rows(), scene_.bonds, scene_.carried);
+    const Index first = scene_.halo.rows().first_particle();
+    for (std::size_t k = 0; k < scene_.particles.size(); ++k) {
+      const pd::Particle& p = scene_.particles[k];
+      const double dx = scene_.around[static_cast<std::size_t>(p.patch)].shape().lattice.dx;
+      for (const Index a : scene_.mesh.cell(p.cell)) {
+        if (!is_wanted(a)) continue;
+        const double h = size_of(p.cell);
+        if (all.damage[k] > kBroken)
+          sums_[at(a) + width_ - 1] += 1.0;
+        else
+          add(a, {p.x, static_cast<std::size_t>(first) + k, 3.0 * dx * dx / (h * h)});
+      }
+    }
+  }
+
+  /// The shares of all ranks, on the owners. Collective.
+  void sum_up()
+  {
+    if (!scene_.mesh.vertex_sf()) return;
+    std::vector<double> all(place_.size() * width_, 0.0);
+    for (std::size_t v = 0; v < place_.size(); ++v)
+      if (place_[v] >= 0)
+        std::copy_n(sums_.begin() + static_cast<std::ptrdiff_t>(at(static_cast<Index>(v))), width_,
+                    all.begin() + static_cast<std::ptrdiff_t>(v * width_));
+    MPI_Datatype block = MPI_DATATYPE_NULL;
+    MPI_Type_contiguous(static_cast<int>(width_), MPI_DOUBLE, &block);
+    MPI_Type_commit(&block);
+    std::vector<double> from = all;
+    PDX_CALL(PetscSFReduceBegin(scene_.mesh.vertex_sf(), block, from.data(), all.data(), MPI_SUM));
+    PDX_CALL(PetscSFReduceEnd(scene_.mesh.vertex_sf(), block, from.data(), all.data(), MPI_SUM));
+    MPI_Type_free(&block);
+    for (std::size_t v = 0; v < place_.size(); ++v)
+      if (place_[v] >= 0)
+        std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(v * width_), width_,
+                    sums_.begin() + static_cast<std::ptrdiff_t>(at(static_cast<Index>(v))));
+  }
+
+  bool is_wanted(Index vertex) const { return place_[static_cast<std::size_t>(vertex)] >= 0; }
+
+  /// Gradients of all fields at a vertex, NaN for none.
+  void solve(Index vertex, double* gradients) const
+  {
+    const double* sums = sums_.data() + at(vertex);
+    const Eigen::Map<const Normal> matrix(sums);
+    const Eigen::Map<const Eigen::Matrix<double, kTerms, Eigen::Dynamic>> sides(sums + kMatrix, kTerms,
+                                                                                static_cast<Eigen::Index>(sides_));
+    Eigen::Map<Eigen::Matrix<double, 2, Eigen::Dynamic>> result(gradients, 2, static_cast<Eigen::Index>(sides_));
+    result.setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (sums[width_ - 1] > 0.0) return;
+    if (const Eigen::SelfAdjointEigenSolver<Normal> all(matrix); says_enough(all.eigenvalues()))
+      result = matrix.ldlt().solve(sides).topRows<2>() / scale_;
+    else if (const Eigen::Matrix2d plane = matrix.topLeftCorner<2, 2>();
+             says_enough(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(plane).eigenvalues()))
+      result = plane.ldlt().solve(sides.topRows<2>()) / scale_;
+  }
+
+private:
+  struct Neighbour {
+    Vector<2> x;
+    std::size_t row;
+    double weight;
+  };
+  template <class Values> static bool says_enough(const Values& values)
+  {
+    return values.minCoeff() > kSingular * values.maxCoeff();
+  }
+  std::size_t at(Index vertex) const
+  {
+    return static_cast<std::size_t>(place_[static_cast<std::size_t>(vertex)]) * width_;
+  }
+  std::size_t row_of(Index vertex) const
+  {
+    return static_cast<std::size_t>(scene_.halo.local(scene_.node_rows[static_cast<std::size_t>(vertex)]));
+  }
+  double size_of(Index cell) const
+  {
+    const auto x = scene_.mesh.corners(cell);
+    return std::sqrt(0.5 * (x[2] - x[0]).squaredNorm());
+  }
+
+  void add(Index vertex, const Neighbour& neighbour)
+  {
+    const Vector<2>& x = scene_.mesh.point(vertex);
+    if (scene_.sets && scene_.sets->cracks().cuts(x, neighbour.x)) return;
+    const Terms terms = terms_of((neighbour.x - x) / scale_);
+    double* sums = sums_.data() + at(vertex);
+    Eigen::Map<Normal>{sums} += neighbour.weight * terms * terms.transpose();
+    Eigen::Map<Eigen::Matrix<double, kTerms, Eigen::Dynamic>> sides(sums + kMatrix, kTerms,
+                                                                    static_cast<Eigen::Index>(sides_));
+    const std::size_t own = row_of(vertex);
+    for (std::size_t f = 0; f < fields_.size(); ++f)
+      for (std::size_t d = 0; d < 2; ++d)
+        sides.col(static_cast<Eigen::Index>(2 * f + d)) +=
+            neighbour.weight * (fields_[f][2 * neighbour.row + d] - fields_[f][2 * own + d]) * terms;
+  }
+
+  const SceneView& scene_;
+  std::span<const std::span<const double>> fields_;
+  std::size_t sides_, width_;
+  double scale_; // of distances, so that equations are well scaled [m]
+  Index count_ = 0;
+  std::vector<Index> place_; // per local vertex, -1: not wanted
+  std::vector<double> sums_;
+};
+} // namespace
+
+NodalGradients::NodalGradients(const SceneView& scene, const std::function<bool(const Vector<2>&)>& wanted,
+                               std::span<const std::span<const double>> fields)
+    : width_(4 * fields.size()),
+      values_(width_ * static_cast<std::size_t>(scene.mesh.vertices()), std::numeric_limits<double>::quiet_NaN())
+{
+  Equations equations(scene, wanted, fields);
+  equations.add_nodes();
+  equations.add_particles();
+  equations.sum_up();
+  for (Index v = 0; v < scene.mesh.owned_vertices(); ++v)
+    if (equations.is_wanted(v)) equations.solve(v, values_.data() + static_cast<std::size_t>(v) * width_);
+  mesh::fill_halo(scene.mesh, MPI_DOUBLE, static_cast<int>(width_), values_.data());
+}
+
+std::optional<Tensor<2>> NodalGradients::at(Index vertex, std::size_t field) const
+{
+  const double* g = values_.data() + static_cast<std::size_t>(vertex) * width_ + 4 * field;
+  if (std::isnan(g[0])) return std::nullopt;
+  return Tensor<2>{{g[0], g[1]}, {g[2], g[3]}};
+}
+} // namespace pdx::adapt

@@ -1,0 +1,66 @@
+#include "pdx/app/patch_mover.hpp"
+
+#include "pdx/base/events.hpp"
+#include "pdx/base/gather.hpp"
+#include "pdx/base/options.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace pdx::app {
+namespace {
+/// In horizons, and in elements: the larger counts.
+struct Usual {
+  double horizons, elements;
+};
+constexpr Usual kCritical[] = {{2.0, 0.0}, {3.0, 1.0}}; // static, in time; measured, see relocation in DECISIONS
+constexpr Usual kExpansion[] = {{4.0, 0.0}, {7.0, 2.0}};
+
+double length(double given, const Usual& usual, double horizon, double element)
+{
+  return given > 0.0 ? given : std::max(usual.horizons * horizon, usual.elements * element);
+}
+} // namespace
+
+void PatchMover::judge(const SceneOptions& s)
+{
+  if (!s.layout.patches_move()) {
+    for (const char* name : {"-adapt_critical_length", "-adapt_expansion_length", "-adapt_every"})
+      if (Options("layout").given(name))
+        throw UserError(fmt::format("{} steers patches that move: give -adapt expand, or drop it", name));
+    return;
+  }
+  if (s.pd.patches.empty())
+    throw UserError("-adapt moves patches between elements: give boxes by -pd_patches, or drop it");
+  if (s.time.analysis == Analysis::implicit_dynamics)
+    throw UserError("-adapt: implicit steps keep their layout; give -analysis explicit or static");
+  if (s.scheme != couple::Scheme::energy)
+    throw UserError("-adapt makes patches of any shape, which need -couple_scheme energy");
+  if (!s.fracture.active())
+    throw UserError("-adapt follows what breaks: give -material_toughness or -pd_critical_stretch");
+}
+
+adapt::Reaches PatchMover::reaches(const couple::Surroundings& around, double horizon) const
+{
+  const LayoutOptions& given = options_.layout;
+  const std::size_t in_time = options_.time.dynamic();
+  const double element = around.shortest_edge();
+  return {length(given.critical_length, kCritical[in_time], horizon, element),
+          length(given.expansion_length, kExpansion[in_time], horizon, element)};
+}
+
+adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken)
+{
+  static Event event("adapt_look");
+  const bool more = any_rank(scene.mesh.comm(), broken != broken_);
+  broken_ = broken;
+  if (!more) return {};
+  const Timed timed(event);
+  std::vector<adapt::Reaches> all;
+  for (std::size_t p = 0; p < scene.around.size(); ++p)
+    all.push_back(reaches(scene.around[p], plan.stencils[p].horizon));
+  adapt::LayoutChange change;
+  change.cover = adapt::expansion(scene, all);
+  return change;
+}
+} // namespace pdx::app

@@ -1,0 +1,96 @@
+"""Patches that move while cracks grow give what a patch that was large from the start gives."""
+
+import program
+from torn import checkpoint, results
+
+import numpy as np
+
+# A plate with a crack in its middle that runs to both sides, in a patch that holds its way, and in one that does not.
+LARGE = {"-options_file": "cases/central_crack/smoke.opts", "-quiet": ""}
+PLATE = LARGE | {"-pd_patches": "-0.009,-0.005,0.009,0.005", "-adapt": "expand"}
+SPACING = 1e-3 / 3
+# The double cantilever beam, whose crack grows by far within loads.
+BEAM = {"-options_file": "cases/dcb/smoke.opts", "-output_fields": "false", "-output_history": "", "-quiet": ""}
+SHORT = BEAM | {"-pd_patches": "0.2e-3,0.15e-3,0.4e-3,0.30e-3", "-adapt": "expand"}
+
+
+class Adapt(program.ProgramTest):
+    def test_a_crack_runs_as_in_a_large_patch(self):
+        large, grown = self.solve(LARGE), self.solve(PLATE)
+        self.assertGreaterEqual(grown.summary["relocations"], 2)
+        self.assertGreater(large.summary["bonds_broken"], 3000)
+        for name in ("adapt_look", "layout_change"):
+            self.assertNotIn(name, large.events)
+            self.assertIn(name, grown.events)
+        self.assertLess(abs(grown.summary["bonds_broken"] / large.summary["bonds_broken"] - 1), 0.02)
+        a, b = large.summary["results"], grown.summary["results"]
+        self.assertLess(abs(a["crack_length"] - b["crack_length"]), 2 * SPACING)
+        work = a["external_work"]
+        self.assertLess(abs(b["energy_converted"]), 2e-3 * work)
+        self.assertLess(abs(a["fracture_energy"] - b["fracture_energy"]), 0.03 * a["fracture_energy"])
+        for row in grown.history():  # what changes took or gave is in the books
+            self.assertLess(abs(row["energy_residual"]), 5e-3 * work)
+
+    def test_ranks_break_the_same_bonds(self):
+        runs = [self.solve(PLATE | {"-checkpoint_interval": "560"}, ranks) for ranks in (1, 2, 3)]
+        tables = [checkpoint(run.directory)[0] for run in runs]
+        for run, other in zip(runs[1:], tables[1:]):
+            self.assertEqual(run.summary["relocations"], runs[0].summary["relocations"])
+            for name in ("gone_bonds", "broken_carried_bonds", "row_names", "layout_patches"):
+                np.testing.assert_array_equal(tables[0][name], other[name], name)
+            for name in ("displacement", "velocity"):
+                self.assertLess(np.abs(tables[0][name] - other[name]).max(), 1e-8 * np.abs(other[name]).max(), name)
+
+    def test_a_restart_goes_on_from_a_patch_that_moved(self):
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                whole = self.solve(PLATE | {"-checkpoint_interval": "560"}, ranks)
+                directory = self.scratch / f"half_{ranks}"
+                half = PLATE | {"-checkpoint_interval": "400", "-ts_max_steps": "400"}
+                moved = self.solve(half, ranks, directory=directory).summary["relocations"]
+                self.assertGreaterEqual(moved, 1)
+                rest = self.solve(PLATE | {"-restart": str(directory / "checkpoint.h5"), "-checkpoint_interval": "560"}, ranks)
+                self.assertGreater(whole.summary["relocations"], moved)
+                self.assertEqual(whole.summary["relocations"], rest.summary["relocations"])
+                tables, others = checkpoint(whole.directory)[0], checkpoint(rest.directory)[0]
+                for name in ("gone_bonds", "broken_carried_bonds", "row_names", "layout_patches"):
+                    np.testing.assert_array_equal(tables[name], others[name], name)
+                if ranks > 1:  # it deals out its cells by where the patch is now
+                    for name in ("displacement", "velocity"):
+                        self.assertLess(np.abs(tables[name] - others[name]).max(), 1e-8 * np.abs(tables[name]).max(), name)
+                    continue
+                a, b = (results(run)[0] | {"stable_step": None} for run in (whole, rest))  # of the first scene
+                self.assertEqual(a, b)
+                for name, table in tables.items():
+                    np.testing.assert_array_equal(table, others[name], name)
+
+    def test_loads_break_the_same_bonds_as_in_a_large_patch(self):
+        for ranks in (2,):
+            with self.subTest(ranks=ranks):
+                large, grown = self.solve(BEAM, ranks), self.solve(SHORT, ranks)
+                self.assertGreater(large.summary["bonds_broken"], 2000)
+                self.assertEqual(large.summary["bonds_broken"], grown.summary["bonds_broken"])
+                self.assertGreaterEqual(grown.summary["relocations"], 3)
+                for a, b in zip(large.history(), grown.history(), strict=True):  # a column of bonds may go a load earlier
+                    self.assertLess(abs(a["bonds_broken"] - b["bonds_broken"]), 10)
+                    self.assertLess(abs(a["reaction_top_y"] - b["reaction_top_y"]), 4e-3 * abs(a["reaction_top_y"]))
+                    self.assertLess(abs(a["energy_fracture"] - b["energy_fracture"]), 2e-3 * large.history()[-1]["work"])
+
+    def test_what_cannot_move_is_refused(self):
+        for change, words in (
+            ({"-pd_patches": "all"}, "-adapt"),
+            ({"-couple_scheme": "ghost"}, "-adapt.*-couple_scheme energy"),
+            ({"-analysis": "implicit", "-ts_dt": "1e-5"}, "-adapt.*-analysis explicit"),
+            ({"-adapt_critical_length": "0.01", "-adapt_expansion_length": "0.005"}, "-adapt_expansion_length"),
+            ({"-adapt": "none", "-adapt_every": "5"}, "-adapt_every.*-adapt expand"),
+            ({"-adapt": "grow"}, "-adapt.*none, expand"),
+        ):
+            with self.subTest(change):
+                run = self.launch(PLATE | change)
+                self.assertEqual(run.status, 1, run.err)
+                self.assertRegex(run.err, words)
+                self.assertEqual(len(run.err.splitlines()), 1)
+
+
+if __name__ == "__main__":
+    program.main()
