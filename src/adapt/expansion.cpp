@@ -53,6 +53,32 @@ struct Found {
   std::array<double, 4> box; ///< lower and upper corner [m]
   double spacing;            ///< [m]
 };
+
+Found found(const mesh::Mesh& mesh, Index cell, const geom::Box<2>& box, double spacing)
+{
+  return {mesh.natural_cell(cell), {box.lower[0], box.lower[1], box.upper[0], box.upper[1]}, spacing};
+}
+
+/// Those of all ranks, by natural number.
+std::vector<LayoutChange::Cover> gathered(MPI_Comm comm, std::vector<Found> mine)
+{
+  std::vector<Found> all = gather_all(comm, mine);
+  std::ranges::sort(all, {}, &Found::cell);
+  std::vector<LayoutChange::Cover> covers;
+  for (const auto& [cell, box, spacing] : all) covers.push_back({{{box[0], box[1]}, {box[2], box[3]}}, spacing});
+  return covers;
+}
+} // namespace
+
+namespace {
+/// Does no crack run through a cell?
+bool is_whole(const SceneView& scene, Index cell)
+{
+  if (!scene.sets) return true;
+  const auto x = scene.mesh.corners(cell);
+  const crack::CrackSet& cracks = scene.sets->cracks();
+  return !cracks.cuts(x[0], x[2]) && !cracks.cuts(x[1], x[3]);
+}
 } // namespace
 
 std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches)
@@ -72,15 +98,29 @@ std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<con
       if (!box.contains(at, far)) continue;
       if (std::ranges::none_of(corners, [&](const Vector<2>& x) { return (x - at).norm() < far; })) continue;
       const geom::Lattice<2>& lattice = scene.around[patch].shape().lattice;
-      if (is_divided(corners, box, lattice))
-        mine.push_back({mesh.natural_cell(c), {box.lower[0], box.lower[1], box.upper[0], box.upper[1]}, lattice.dx});
+      if (is_divided(corners, box, lattice)) mine.push_back(found(mesh, c, box, lattice.dx));
       break;
     }
   }
-  std::vector<Found> all = gather_all(mesh.comm(), mine);
-  std::ranges::sort(all, {}, &Found::cell);
-  std::vector<LayoutChange::Cover> covers;
-  for (const auto& [cell, box, spacing] : all) covers.push_back({{{box[0], box[1]}, {box[2], box[3]}}, spacing});
-  return covers;
+  return gathered(mesh.comm(), std::move(mine));
+}
+
+LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box)
+{
+  const mesh::Mesh& mesh = scene.mesh;
+  const geom::Lattice<2>& lattice = scene.around.front().shape().lattice;
+  std::vector<Found> elements, covered;
+  for (Index c = 0; c < mesh.owned_cells(); ++c) {
+    if (!box.contains(mesh.centroid(c))) continue;
+    const geom::Box<2> cell = box_around(mesh.corners(c));
+    if (mesh.use(c) == mesh::Use::covered && is_whole(scene, c))
+      covered.push_back(found(mesh, c, cell, lattice.dx));
+    else if (mesh.use(c) != mesh::Use::covered && is_divided(mesh.corners(c), cell, lattice))
+      elements.push_back(found(mesh, c, cell, lattice.dx));
+  }
+  LayoutChange change;
+  for (const auto& [where, spacing] : gathered(mesh.comm(), std::move(covered))) change.uncover.push_back(where);
+  if (change.uncover.empty()) change.cover = gathered(mesh.comm(), std::move(elements));
+  return change;
 }
 } // namespace pdx::adapt

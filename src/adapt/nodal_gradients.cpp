@@ -1,5 +1,6 @@
 #include "pdx/adapt/nodal_gradients.hpp"
 
+#include "pdx/adapt/vertex_sums.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -22,13 +23,10 @@ public:
   Equations(const SceneView& scene, const std::function<bool(const Vector<2>&)>& wanted,
             std::span<const std::span<const double>> fields)
       : scene_(scene), fields_(fields), sides_(2 * fields.size()), width_(kMatrix + kTerms * sides_ + 1),
-        scale_(scene.around.front().shortest_edge()), place_(static_cast<std::size_t>(scene.mesh.vertices()), -1)
-  {
-    for (Index v = 0; v < scene.mesh.vertices(); ++v)
-      if (scene.node_rows[static_cast<std::size_t>(v)] >= 0 && wanted(scene.mesh.point(v)))
-        place_[static_cast<std::size_t>(v)] = count_++;
-    sums_.assign(static_cast<std::size_t>(count_) * width_, 0.0);
-  }
+        scale_(scene.around.front().shortest_edge()), sums_(scene.mesh, width_, [&](Index v) {
+          return scene.node_rows[static_cast<std::size_t>(v)] >= 0 && wanted(scene.mesh.point(v));
+        })
+  {}
 
   void add_nodes()
   {
@@ -53,41 +51,20 @@ public:
         if (!is_wanted(a)) continue;
         const double h = size_of(p.cell);
         if (all.damage[k] > kBroken)
-          sums_[at(a) + width_ - 1] += 1.0;
+          sums_.at(a)[width_ - 1] += 1.0;
         else
           add(a, {p.x, static_cast<std::size_t>(first) + k, 3.0 * dx * dx / (h * h)});
       }
     }
   }
 
-  /// The shares of all ranks, on the owners. Collective.
-  void sum_up()
-  {
-    if (!scene_.mesh.vertex_sf()) return;
-    std::vector<double> all(place_.size() * width_, 0.0);
-    for (std::size_t v = 0; v < place_.size(); ++v)
-      if (place_[v] >= 0)
-        std::copy_n(sums_.begin() + static_cast<std::ptrdiff_t>(at(static_cast<Index>(v))), width_,
-                    all.begin() + static_cast<std::ptrdiff_t>(v * width_));
-    MPI_Datatype block = MPI_DATATYPE_NULL;
-    MPI_Type_contiguous(static_cast<int>(width_), MPI_DOUBLE, &block);
-    MPI_Type_commit(&block);
-    std::vector<double> from = all;
-    PDX_CALL(PetscSFReduceBegin(scene_.mesh.vertex_sf(), block, from.data(), all.data(), MPI_SUM));
-    PDX_CALL(PetscSFReduceEnd(scene_.mesh.vertex_sf(), block, from.data(), all.data(), MPI_SUM));
-    MPI_Type_free(&block);
-    for (std::size_t v = 0; v < place_.size(); ++v)
-      if (place_[v] >= 0)
-        std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(v * width_), width_,
-                    sums_.begin() + static_cast<std::ptrdiff_t>(at(static_cast<Index>(v))));
-  }
-
-  bool is_wanted(Index vertex) const { return place_[static_cast<std::size_t>(vertex)] >= 0; }
+  void sum_up() { sums_.sum_up(); } ///< Collective.
+  bool is_wanted(Index vertex) const { return sums_.wanted(vertex); }
 
   /// Gradients of all fields at a vertex, NaN for none.
   void solve(Index vertex, double* gradients) const
   {
-    const double* sums = sums_.data() + at(vertex);
+    const double* sums = sums_.at(vertex);
     const Eigen::Map<const Normal> matrix(sums);
     const Eigen::Map<const Eigen::Matrix<double, kTerms, Eigen::Dynamic>> sides(sums + kMatrix, kTerms,
                                                                                 static_cast<Eigen::Index>(sides_));
@@ -111,10 +88,6 @@ private:
   {
     return values.minCoeff() > kSingular * values.maxCoeff();
   }
-  std::size_t at(Index vertex) const
-  {
-    return static_cast<std::size_t>(place_[static_cast<std::size_t>(vertex)]) * width_;
-  }
   std::size_t row_of(Index vertex) const
   {
     return static_cast<std::size_t>(scene_.halo.local(scene_.node_rows[static_cast<std::size_t>(vertex)]));
@@ -130,7 +103,7 @@ private:
     const Vector<2>& x = scene_.mesh.point(vertex);
     if (scene_.sets && scene_.sets->cracks().cuts(x, neighbour.x)) return;
     const Terms terms = terms_of((neighbour.x - x) / scale_);
-    double* sums = sums_.data() + at(vertex);
+    double* sums = sums_.at(vertex);
     Eigen::Map<Normal>{sums} += neighbour.weight * terms * terms.transpose();
     Eigen::Map<Eigen::Matrix<double, kTerms, Eigen::Dynamic>> sides(sums + kMatrix, kTerms,
                                                                     static_cast<Eigen::Index>(sides_));
@@ -145,9 +118,7 @@ private:
   std::span<const std::span<const double>> fields_;
   std::size_t sides_, width_;
   double scale_; // of distances, so that equations are well scaled [m]
-  Index count_ = 0;
-  std::vector<Index> place_; // per local vertex, -1: not wanted
-  std::vector<double> sums_;
+  VertexSums sums_;
 };
 } // namespace
 

@@ -7,7 +7,7 @@
 
 namespace pdx::app {
 namespace {
-constexpr double kSameSide = 1e-6;                      // of a spacing: sides as near are one
+constexpr double kSameSide = 1e-6;                  // of a spacing: sides as near are one
 constexpr const char* kPatches = "/layout_patches"; // spacing, lower and upper corner of each box [m]
 constexpr const char* kCracks = "/layout_cracks";   // number of the crack and a point of it [m]
 

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <iterator>
+#include <map>
 #include <stdexcept>
 
 namespace pdx::app {
@@ -103,17 +105,40 @@ NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const
   return state;
 }
 
-void add_particles(NamedState& state, const adapt::FreshRows& fresh)
+void add_rows(NamedState& state, const adapt::FreshRows& fresh)
 {
-  const std::size_t count = fresh.names.size();
   state.rows.insert(state.rows.end(), fresh.names.begin(), fresh.names.end());
-  state.particles.insert(state.particles.end(), fresh.names.begin(), fresh.names.end());
-  state.gone.resize(state.gone.size() + count * static_cast<std::size_t>(state.words_per_particle), 0);
+  for (const field::RowName name : fresh.names)
+    if (name.kind() == field::RowName::Kind::particle) state.particles.push_back(name);
+  state.gone.resize(state.particles.size() * static_cast<std::size_t>(state.words_per_particle), 0);
   if (state.cracks) state.cracks->damage.resize(state.particles.size(), -1.0);
   std::vector<double>* const moving[] = {&state.moving.u, &state.moving.v};
   for (std::size_t f = 0; f < fresh.fields.size(); ++f)
     moving[f]->insert(moving[f]->end(), fresh.fields[f].begin(), fresh.fields[f].end());
   for (std::vector<double>* later : {&state.moving.a, &state.moving.held}) later->resize(state.moving.u.size(), 0.0);
+}
+
+/// Particles come anew where some are dormant: what broke counts, not what is new.
+void add_dormant(NamedState& state, const Dormant& dormant)
+{
+  if (state.carried) {
+    std::vector<std::uint64_t> all;
+    std::ranges::set_union(*state.carried, dormant.carried, std::back_inserter(all));
+    state.carried = std::move(all);
+  }
+  const auto width = static_cast<std::size_t>(state.words_per_particle);
+  std::map<std::uint64_t, std::size_t> known;
+  for (std::size_t k = 0; k < state.particles.size(); ++k) known[state.particles[k].value()] = k;
+  for (std::size_t k = 0; k < dormant.particles.size(); ++k) {
+    const auto [at, added] = known.try_emplace(dormant.particles[k].value(), state.particles.size());
+    if (added) {
+      state.particles.push_back(dormant.particles[k]);
+      state.gone.resize(state.gone.size() + width, 0);
+    }
+    std::copy_n(dormant.gone.begin() + static_cast<std::ptrdiff_t>(k * width), width,
+                state.gone.begin() + static_cast<std::ptrdiff_t>(at->second * width));
+  }
+  if (state.cracks) state.cracks->damage.resize(state.particles.size(), -1.0);
 }
 
 StateMove::StateMove(const NamedState& state, const Standing& scene)
@@ -164,7 +189,7 @@ void StateMove::break_bonds() const
     }
   });
   if (scene_.d && scene_.plan && state_.carried) break_joined();
-  if (scene_.d && scene_.d->carried) scene_.d->carried->set_broken(*state_.carried);
+  if (scene_.d && scene_.d->carried) scene_.d->carried->set_broken(broken_carried());
 }
 
 /// Bonds that left their patch when they broke, and lie in it now.
@@ -180,6 +205,45 @@ void StateMove::break_joined() const
     }
     if (!within.empty()) bonds.set_gone(p, within);
   }
+}
+
+/// Keys of the carried bonds that are broken: those that were carried then, and those that lay in a patch.
+std::vector<std::uint64_t> StateMove::broken_carried() const
+{
+  std::vector<std::uint64_t> keys;
+  std::vector<std::size_t> arms;
+  std::vector<field::RowName> lower; // ends of the bonds
+  scene_.d->carried->for_each_key([&](std::uint64_t key, Index patch) {
+    const auto p = static_cast<std::size_t>(patch);
+    const geom::SiteNames& names = scene_.plan->shapes[p].names;
+    const auto bond = couple::lattice_bond(key, names, scene_.plan->stencils[p]);
+    if (!bond) throw std::logic_error("a carried bond is of no lattice");
+    keys.push_back(key);
+    arms.push_back(bond->arm);
+    lower.push_back(field::RowName::particle(names.of(bond->lower)));
+  });
+  const field::RowMove ends(scene_.model->system.rows.comm, state_.particles, lower);
+  const std::vector<std::uint64_t> gone = ends.carry(state_.gone, state_.words_per_particle);
+  std::vector<std::uint64_t> broken = *state_.carried;
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    if (gone[kLatticeWords * k + arms[k] / 64] >> (arms[k] % 64) & 1u) broken.push_back(keys[k]);
+  std::ranges::sort(broken);
+  return broken;
+}
+
+Dormant StateMove::dormant() const
+{
+  Dormant kept;
+  if (state_.carried) kept.carried = *state_.carried;
+  const auto width = static_cast<std::size_t>(state_.words_per_particle);
+  if (width == 0) return kept;
+  for (const Index k : particles_.left_behind()) {
+    const auto words = std::span(state_.gone).subspan(static_cast<std::size_t>(k) * width, width);
+    if (std::ranges::all_of(words, [](std::uint64_t word) { return word == 0; })) continue;
+    kept.particles.push_back(state_.particles[static_cast<std::size_t>(k)]);
+    kept.gone.insert(kept.gone.end(), words.begin(), words.end());
+  }
+  return kept;
 }
 
 field::State StateMove::moving() const

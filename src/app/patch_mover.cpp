@@ -24,18 +24,21 @@ double length(double given, const Usual& usual, double horizon, double element)
 
 void PatchMover::judge(const SceneOptions& s)
 {
-  if (!s.layout.patches_move()) {
+  if (s.layout.adapt == Adapt::none)
     for (const char* name : {"-adapt_critical_length", "-adapt_expansion_length", "-adapt_every"})
       if (Options("layout").given(name))
         throw UserError(fmt::format("{} steers patches that move: give -adapt expand, or drop it", name));
-    return;
-  }
+  if (!s.layout.patches_move()) return;
   if (s.pd.patches.empty())
-    throw UserError("-adapt moves patches between elements: give boxes by -pd_patches, or drop it");
+    throw UserError("-adapt (-layout_renew_box) moves patches between elements: give boxes by -pd_patches, or drop it");
   if (s.time.analysis == Analysis::implicit_dynamics)
-    throw UserError("-adapt: implicit steps keep their layout; give -analysis explicit or static");
+    throw UserError("-adapt (-layout_renew_box): implicit steps keep their layout; give -analysis explicit or static");
   if (s.scheme != couple::Scheme::energy)
-    throw UserError("-adapt makes patches of any shape, which need -couple_scheme energy");
+    throw UserError("-adapt (-layout_renew_box) makes patches of any shape, which need -couple_scheme energy");
+  if (s.layout.renew_box && s.time.checkpoint.any())
+    throw UserError(
+        "-layout_renew_box: checkpoints do not hold what it hides; drop it, or -checkpoint_... and -restart");
+  if (s.layout.adapt == Adapt::none) return;
   if (!s.fracture.active())
     throw UserError("-adapt follows what breaks: give -material_toughness or -pd_critical_stretch");
 }
@@ -47,6 +50,11 @@ adapt::Reaches PatchMover::reaches(const couple::Surroundings& around, double ho
   const double element = around.shortest_edge();
   return {length(given.critical_length, kCritical[in_time], horizon, element),
           length(given.expansion_length, kExpansion[in_time], horizon, element)};
+}
+
+adapt::LayoutChange PatchMover::renewal(const adapt::SceneView& scene) const
+{
+  return adapt::exchanged(scene, *options_.layout.renew_box);
 }
 
 adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken)

@@ -92,19 +92,41 @@ private:
     const int step = driver_->step();
     if (step >= driver_->expected_steps()) return false;
     change_ = {};
-    if (mover_.active() && step % when.adapt_interval == 0)
+    if (mover_.follows() && step % when.adapt_interval == 0)
       change_ = mover_.look(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds);
     uneven_ = balance_.due(*driver_);
-    return uneven_ || !change_.empty() || (when.renew_interval > 0 && step % when.renew_interval == 0);
+    const bool renewed = when.renew_interval > 0 && step % when.renew_interval == 0;
+    if (renewed && mover_.renews() && change_.empty()) change_ = mover_.renewal(scene_->view());
+    return uneven_ || renewed || !change_.empty();
   }
 
-  /// The rows that the change to come makes, with what the scene says of them now.
-  adapt::FreshRows fresh_rows() const
+  /// Adds the rows that the change to come makes, with what the scene says of them now.
+  void add_fresh_rows(NamedState& state) const
   {
     std::vector<double> v;
     driver_->moving().system.halo->fetch(driver_->v(), driver_->moving().system.rows.dim, v);
     const std::span<const double> fields[] = {driver_->local(), v};
-    return adapt::fill_particles(scene_->view(), change_.cover, fields);
+    if (!change_.cover.empty()) add_rows(state, adapt::fill_particles(scene_->view(), change_.cover, fields));
+    if (!change_.uncover.empty()) add_rows(state, adapt::fill_nodes(scene_->view(), change_.uncover, fields));
+  }
+
+  /// Rows that are new share out what the change took of the momentum, as one more velocity of theirs.
+  /// @param move from a state of `rows` rows on this rank, of which the first `known` were there before
+  void keep_momentum(const StateMove& move, std::size_t rows, std::size_t known, const std::array<double, 3>& before,
+                     std::vector<double>& v) const
+  {
+    std::vector<double> is_new(rows, 1.0);
+    std::fill_n(is_new.begin(), known, 0.0);
+    is_new = move.rows(is_new, 1);
+    const solve::MovingSystem& moving = driver_->moving();
+    const auto dim = static_cast<std::size_t>(moving.system.rows.dim);
+    double mass = 0.0;
+    for (std::size_t row = 0; row < is_new.size(); ++row) mass += is_new[row] * moving.mass[row];
+    MPI_Allreduce(MPI_IN_PLACE, &mass, 1, MPI_DOUBLE, MPI_SUM, files_.comm());
+    if (mass <= 0.0) return;
+    const std::array<double, 3> now = moving.momentum(v);
+    for (std::size_t row = 0; row < is_new.size(); ++row)
+      for (std::size_t d = 0; d < dim; ++d) v[row * dim + d] += is_new[row] * (before[d] - now[d]) / mass;
   }
 
   /// Another scene, by `layout_`.
@@ -124,6 +146,7 @@ private:
   {
     static Event event("layout_change");
     const Timed timed(event);
+    const double begin = MPI_Wtime();
     const NoStop whole; // the next step or load sees a signal that comes now
     if (uneven_) costs_ = balance_.costs(files_.scene, *driver_);
     couple::BondBreaker* breaker = files_.scene.model->breaker;
@@ -131,25 +154,32 @@ private:
     const solve::TimeDriver::Clock clock = driver_->clock();
     NamedState state = capture(files_.scene, *driver_, recorder_.leave_scene(*driver_));
     const bool moves = !change_.empty();
+    const std::size_t known = state.rows.size();
+    const std::array<double, 3> momentum = moves ? driver_->moving().momentum(driver_->v()) : std::array<double, 3>{};
     if (moves) {
-      add_particles(state, fresh_rows());
+      add_fresh_rows(state);
       layout_ = layout_.changed(change_);
       ++files_.summary.relocations;
     }
     balance_.leave(*driver_);
     driver_.reset();
     rebuild(moves && !uneven_);
+    add_dormant(state, dormant_);
     const StateMove move(state, scene_->standing());
     move.require_fit();
     move.break_bonds();
-    if (moves)
-      driver_->resume_changed(clock, move.moving());
-    else
+    dormant_ = move.dormant();
+    if (moves) {
+      field::State moving = move.moving();
+      keep_momentum(move, state.rows.size(), known, momentum, moving.v);
+      driver_->resume_changed(clock, moving);
+    } else
       driver_->resume(clock, move.moving());
     breaker = scene_->standing().model->breaker;
     if (breaker) breaker->resume(broken);
     recorder_.take_scene(scene_->standing(), *driver_, move.cracks());
     if (checkpoints_) checkpoints_->take_scene(files_.scene, layout_, recorder_);
+    files_.layout_seconds += MPI_Wtime() - begin;
     if (!uneven_) return;
     files_.progress.line(
         fmt::format("step {}: the busiest rank had {:.2f} times the mean to do; dealt out anew, it should "
@@ -184,7 +214,8 @@ private:
   LoadBalance balance_;
   PatchMover mover_;
   adapt::LayoutChange change_; // to come
-  bool uneven_ = false;        // the change to come is for the balance
+  Dormant dormant_;
+  bool uneven_ = false; // the change to come is for the balance
   std::optional<mesh::MeasuredCosts> costs_;
   std::unique_ptr<Scene> scene_;
   StepLimits limits_;

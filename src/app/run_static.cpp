@@ -124,7 +124,7 @@ private:
   void drive(solve::StaticReport before)
   {
     solve::StaticOptions steps = steps_of(files_.options, *d_, assembled_);
-    if (mover_.active())
+    if (mover_.follows())
       steps.outgrown = [this](std::span<const double>) {
         change_ = mover_.look(d_->view(ground_->mesh), ground_->plan, d_->fracture->broken());
         return !change_.empty();
@@ -172,13 +172,18 @@ private:
   {
     Moment now{capture(standing()), d_->fracture ? d_->fracture->all() : pd::Broken{}, {}};
     now.state.moving.u.assign(u.begin(), u.end());
-    if (change_.empty()) return now;
+    if (change_.empty()) {
+      add_dormant(now.state, dormant_);
+      return now;
+    }
     std::vector<double> local;
     d_->system.halo->fetch(u, now.state.dim, local);
     const std::span<const double> fields[] = {local};
-    adapt::FreshRows fresh = adapt::fill_particles(d_->view(ground_->mesh), change_.cover, fields);
-    add_particles(now.state, fresh);
-    now.fresh = std::move(fresh.fields[0]);
+    const adapt::SceneView view = d_->view(ground_->mesh);
+    if (!change_.cover.empty()) add_rows(now.state, adapt::fill_particles(view, change_.cover, fields));
+    if (!change_.uncover.empty()) add_rows(now.state, adapt::fill_nodes(view, change_.uncover, fields));
+    now.fresh.assign(now.state.moving.u.begin() + static_cast<std::ptrdiff_t>(u.size()), now.state.moving.u.end());
+    add_dormant(now.state, dormant_);
     return now;
   }
 
@@ -197,6 +202,7 @@ private:
   {
     static Event event("layout_change");
     const Timed timed(event);
+    const double begin = MPI_Wtime();
     const NoStop whole; // the next step or load sees a signal that comes now
     const Moment now = moment(field::owned_values(u_.get()));
     std::optional<Moment> accepted;
@@ -214,9 +220,11 @@ private:
     }
     const StateMove move(now.state, standing());
     field::set_owned_values(u_.get(), take(move, now));
+    dormant_ = move.dormant();
     recorder_.take_scene(standing(), move, accepted ? accepted->fresh : now.fresh);
     drive(std::move(report));
     change_ = {};
+    files_.layout_seconds += MPI_Wtime() - begin;
   }
 
   void rebuild()
@@ -238,7 +246,8 @@ private:
   Recorder recorder_;
   Prior prior_;
   PatchMover mover_;
-  adapt::LayoutChange change_;          // to come
+  adapt::LayoutChange change_; // to come
+  Dormant dormant_;
   std::optional<solve::OpenStep> open_; // a load that it comes within
   std::unique_ptr<Ground> ground_;
   std::unique_ptr<Discretisation> d_;           // on ground_

@@ -78,6 +78,7 @@ void move_into(const geom::Frame& frame, double finest, SceneOptions& options)
   options.frame = frame;
   const auto move = [&frame](auto& place) { place = frame.inside(place); };
   move(options.mesh.box);
+  if (options.layout.renew_box) move(*options.layout.renew_box);
   if (options.mesh.list) std::ranges::for_each(options.mesh.list->points, move);
   std::ranges::for_each(options.pd.patches, move);
   for (crack::Polyline& line : options.cracks.lines) std::ranges::for_each(line, move);

@@ -69,6 +69,14 @@ LayoutOptions LayoutOptions::read()
                                "diagnostic: steps or loads after which rows, Terms and solvers are made anew and take "
                                "their state over by name; 0: never",
                                {0.0, 1e9});
+  const std::vector<double> box =
+      o.reals("-layout_renew_box", {}, 4, "m",
+              "diagnostic: box whose cells become particles at one such change, and elements at the next");
+  if (!box.empty()) l.renew_box = geom::Box<2>{{box[0], box[1]}, {box[2], box[3]}};
+  if (l.renew_box && (l.renew_box->size().array() <= 0.0).any())
+    throw UserError("-layout_renew_box has no inside: give x0,y0,x1,y1");
+  if (l.renew_box && l.renew_interval == 0)
+    throw UserError("-layout_renew_box changes hands with -layout_renew_interval: give that too");
   l.rebalance_threshold =
       o.real("-rebalance_threshold", 0.0, "-",
              "explicit: time of the busiest rank over the mean above which cells are dealt out anew "

@@ -185,7 +185,10 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
   results["external_work"] = e.work;
   results["initial_energy"] = e.initial;
   const auto ranks = static_cast<int>(files_.summary.partition.particles_per_rank.size());
-  if (files_.options.layout.may_change(ranks)) results["energy_converted"] = e.converted;
+  if (files_.options.layout.may_change(ranks)) {
+    results["energy_converted"] = e.converted;
+    results["layout_seconds"] = files_.layout_seconds;
+  }
   write_tiles();
   if (d_->breaker) {
     results["fracture_energy"] = e.stored.dissipated;
@@ -263,5 +266,7 @@ void TimeRecorder::print_phases(const solve::TimeDriver& driver)
       {"steps", seconds.solve, fmt::format("{:.3g} row-steps/s", rows * (driver.step() - first_step_) / seconds.solve)},
       {"output", seconds.output, ""}};
   files_.progress.phases(phases);
+  if (files_.layout_seconds > 0.0)
+    files_.progress.line(fmt::format("changes of layout: {:.3f} s of the steps", files_.layout_seconds));
 }
 } // namespace pdx::app

@@ -36,6 +36,19 @@ RowMove::RowMove(MPI_Comm comm, std::span<const RowName> from, std::span<const R
   PDX_CALL(PetscSFSetUp(sf_.get()));
 }
 
+std::vector<Index> RowMove::left_behind() const
+{
+  const PetscInt* degrees = nullptr;
+  PetscInt roots = 0;
+  PDX_CALL(PetscSFGetGraph(sf_.get(), &roots, nullptr, nullptr, nullptr));
+  PDX_CALL(PetscSFComputeDegreeBegin(sf_.get(), &degrees));
+  PDX_CALL(PetscSFComputeDegreeEnd(sf_.get(), &degrees));
+  std::vector<Index> places;
+  for (PetscInt k = 0; k < roots; ++k)
+    if (degrees[k] == 0) places.push_back(k);
+  return places;
+}
+
 template <class T> std::vector<T> RowMove::spread(std::span<const T> values, int components) const
 {
   static_assert(sizeof(T) == sizeof(double));

@@ -258,6 +258,24 @@ void MovingSystem::book()
   work_ += held_kinetic() - held_kinetic_before_;
 }
 
+std::array<double, 3> MovingSystem::momentum(std::span<const double> velocity) const
+{
+  const auto dim = static_cast<std::size_t>(system.rows.dim);
+  std::vector<std::uint8_t> tied(mass.size(), 0);
+  std::array<double, 3> sum{};
+  for (const field::Tie& t : ties_) {
+    tied[static_cast<std::size_t>(t.set)] = 1;
+    for (std::size_t d = 0; d < dim; ++d)
+      sum[d] +=
+          mass[static_cast<std::size_t>(t.set)] * (velocity[static_cast<std::size_t>(t.row) * dim + d] +
+                                                   t.factor * velocity[static_cast<std::size_t>(t.set) * dim + d]);
+  }
+  for (std::size_t row = 0; row < mass.size(); ++row)
+    for (std::size_t d = 0; d < dim && !tied[row]; ++d) sum[d] += mass[row] * velocity[row * dim + d];
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);
+  return sum;
+}
+
 /// m v.v of all rows, m a.a of all, m v.v of particles.
 template <std::size_t Dim> void MovingSystem::add_squares(std::span<const double> a, double (&sums)[3]) const
 {

@@ -9,6 +9,44 @@ import numpy as np
 LARGE = {"-options_file": "cases/central_crack/smoke.opts", "-quiet": ""}
 PLATE = LARGE | {"-pd_patches": "-0.009,-0.005,0.009,0.005", "-adapt": "expand"}
 SPACING = 1e-3 / 3
+# Held so that it stretches evenly; cells beside its patch change hands.
+EVEN = {key: value for key, value in program.SMALL_PATCH.items() if not key.startswith("-bc_")} | {
+    "-mesh_cells": "8,8",
+    "-pd_patches": "0.25,0.25,0.5,0.5",
+    "-pd_spacing": "0.03125",
+    "-bc_names": "left,bottom,right",
+    "-bc_left_on": "left",
+    "-bc_left_displacement": "0,free",
+    "-bc_bottom_on": "bottom",
+    "-bc_bottom_displacement": "free,0",
+    "-bc_right_on": "right",
+    "-bc_right_traction": "1e6,0",
+    "-load_steps": "4",
+}
+# The same plate flying, and one through which a pulse runs.
+FLYING = {key: value for key, value in EVEN.items() if not key.startswith(("-bc_", "-load_"))} | {
+    "-analysis": "explicit",
+    "-material_density": "1000",
+    "-ts_max_steps": "200",
+    "-bc_names": "all",
+    "-bc_all_box": "-1,-1,2,2",
+    "-bc_all_initial_velocity": "3,-2",
+    "-output_history": "",
+}
+PULSE = FLYING | {
+    "-mesh_cells": "32,8",
+    "-mesh_upper": "4,1",
+    "-bc_names": "left",
+    "-bc_all_box": None,
+    "-bc_all_initial_velocity": None,
+    "-bc_left_on": "left",
+    "-bc_left_traction": "1e6,0",
+    "-bc_left_history": "gaussian",
+    "-bc_left_history_time": "1.5e-3",
+    "-bc_left_history_width": "5e-4",
+    "-ts_max_steps": "400",
+}
+TURNS = {"-layout_renew_interval": "20", "-layout_renew_box": "0.625,0.375,1,0.75"}
 # The double cantilever beam, whose crack grows by far within loads.
 BEAM = {"-options_file": "cases/dcb/smoke.opts", "-output_fields": "false", "-output_history": "", "-quiet": ""}
 SHORT = BEAM | {"-pd_patches": "0.2e-3,0.15e-3,0.4e-3,0.30e-3", "-adapt": "expand"}
@@ -75,6 +113,37 @@ class Adapt(program.ProgramTest):
                     self.assertLess(abs(a["bonds_broken"] - b["bonds_broken"]), 10)
                     self.assertLess(abs(a["reaction_top_y"] - b["reaction_top_y"]), 4e-3 * abs(a["reaction_top_y"]))
                     self.assertLess(abs(a["energy_fracture"] - b["energy_fracture"]), 2e-3 * large.history()[-1]["work"])
+
+    def test_a_plate_that_flies_does_not_feel_cells_change_hands(self):
+        for ranks in (1, 2, 3):
+            with self.subTest(ranks=ranks):
+                whole, turned = self.solve(FLYING | {"-output_fields": ""}), self.solve(FLYING | TURNS | {"-output_fields": ""}, ranks)
+                self.assertEqual(turned.events["layout_change"], 9)
+                self.assertEqual(turned.summary["relocations"], 9)
+                kinetic = whole.summary["results"]["kinetic_energy"]
+                self.assertAlmostEqual(turned.summary["results"]["kinetic_energy"], kinetic, delta=1e-12 * kinetic)
+                self.assertLess(turned.summary["results"]["strain_energy"], 1e-20 * kinetic)
+                self.assertLess(abs(turned.summary["results"]["energy_converted"]), 1e-12 * kinetic)
+
+    def test_even_strain_stays_even(self):
+        for ranks in (1, 2, 3):
+            with self.subTest(ranks=ranks):
+                whole, turned = (self.solve(EVEN | {"-output_fields": ""} | more, ranks)
+                                 for more in ({}, TURNS | {"-layout_renew_interval": "1"}))
+                self.assertEqual(turned.events["layout_change"], 3)
+                self.assertGreater(turned.summary["unknowns"]["pd"], 0)
+                for name in ("strain_energy", "external_work", "max_displacement_component"):
+                    a, b = (run.summary["results"][name] for run in (whole, turned))
+                    self.assertAlmostEqual(a, b, delta=1e-9 * abs(a), msg=name)
+
+    def test_a_pulse_runs_through_cells_that_change_hands(self):
+        whole, turned = self.solve(PULSE), self.solve(PULSE | TURNS | {"-layout_renew_box": "1,0.25,2,0.75"})
+        work = whole.summary["results"]["external_work"]
+        self.assertGreater(turned.summary["relocations"], 15)
+        self.assertLess(abs(turned.summary["results"]["energy_converted"]), 0.02 * work)
+        a, b = whole.history()[-1], turned.history()[-1]
+        elastic = [sum(row[f"energy_{of}"] for of in ("elements", "bonds", "interface")) for row in (a, b)]
+        self.assertAlmostEqual(*elastic, delta=0.02 * work)
 
     def test_what_cannot_move_is_refused(self):
         for change, words in (

@@ -63,4 +63,5 @@ def results(run):
     """All but what is counted from where a run began, and what only runs that may change their layout tell."""
     kept = {name: value for name, value in run.summary["results"].items() if not name.startswith("pd_tiles")}
     kept.pop("energy_converted", None)
+    kept.pop("layout_seconds", None)
     return kept, run.summary["bonds_broken"], run.summary["steps"]

@@ -14,4 +14,8 @@ struct Reaches {
 /// divide stay. Alike on every rank, in the order of natural numbers. Collective.
 /// @param reaches one per patch
 std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches);
+
+/// The change that gives the cells with their middle in a box the other use: elements that the first patch's lattice
+/// divides become particles where none of the box is, else particles become elements. A diagnostic. Collective.
+LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box);
 } // namespace pdx::adapt

@@ -4,7 +4,7 @@
 #include "pdx/field/row_name.hpp"
 
 namespace pdx::adapt {
-/// Rows that another layout will have, with what they begin with.
+/// Rows that another layout will have, with what they begin with. Each is named once on all ranks.
 struct FreshRows {
   std::vector<field::RowName> names;
   std::vector<std::vector<double>> fields; ///< two components for each name
@@ -15,4 +15,10 @@ struct FreshRows {
 /// @param fields local blocks [owned | halo] of the scene as it stands
 FreshRows fill_particles(const SceneView& scene, std::span<const LayoutChange::Cover> covers,
                          std::span<const std::span<const double>> fields);
+
+/// The nodes of elements that take the place of particles: quadratics that fit best, in a moving least squares, the
+/// particles within an element's side that no crack hides [XPD2 Eqs. 17-21, another weight]. Of owned vertices.
+/// Collective.
+FreshRows fill_nodes(const SceneView& scene, std::span<const geom::Box<2>> uncovered,
+                     std::span<const std::span<const double>> fields);
 } // namespace pdx::adapt

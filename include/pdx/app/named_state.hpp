@@ -36,9 +36,17 @@ NamedState capture(const Standing& scene);
 /// The same of a scene in time. Collective.
 NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks);
 
-/// Adds particles that the next layout will have to what a scene in the plane owns: nothing of theirs is broken.
-/// @param fresh displacement, velocity
-void add_particles(NamedState& state, const adapt::FreshRows& fresh);
+/// What broke where there are elements now, for particles that may lie there again.
+struct Dormant {
+  std::vector<field::RowName> particles;
+  std::vector<std::uint64_t> gone;    ///< as in NamedState
+  std::vector<std::uint64_t> carried; ///< keys that were ever broken, of all ranks, ascending
+};
+
+/// Adds rows that the next layout will have to what a scene in the plane owns.
+/// @param fresh displacement, velocity; nodes or particles, of which nothing is broken
+void add_rows(NamedState& state, const adapt::FreshRows& fresh);
+void add_dormant(NamedState& state, const Dormant& dormant);
 
 /// Why a state does not fit a scene, and in which table of a checkpoint that stands.
 struct Misfit {
@@ -60,12 +68,16 @@ public:
   field::State moving() const;
   std::optional<CrackNotes> cracks() const;
 
+  /// What the scene has no place for.
+  Dormant dormant() const;
+
   /// Throws std::logic_error for what does not fit: between two layouts of one run nothing may be lost.
   void require_fit() const;
 
 private:
   Misfit misfit_of() const;
   void break_joined() const;
+  std::vector<std::uint64_t> broken_carried() const;
 
   const NamedState& state_;
   Standing scene_;

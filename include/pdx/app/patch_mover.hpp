@@ -11,7 +11,9 @@ public:
 
   explicit PatchMover(const SceneOptions& options) : options_(options) {}
 
-  bool active() const { return options_.layout.patches_move(); }
+  bool follows() const { return options_.layout.adapt != Adapt::none; }
+  bool renews() const { return options_.layout.renew_box.has_value(); }
+  adapt::LayoutChange renewal(const adapt::SceneView& scene) const; ///< where it renews
   /// Where bonds broke since the last call. @param broken bonds that this rank counts, since the start
   adapt::LayoutChange look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken);
 

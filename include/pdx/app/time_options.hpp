@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/field/history.hpp"
+#include "pdx/geom/box.hpp"
 
 #include <optional>
 #include <string>
@@ -28,13 +29,14 @@ enum class Adapt { none, expand };
 /// When a scene changes its layout.
 struct LayoutOptions {
   int renew_interval = 0; ///< steps after which all is built anew as it was, to show that it changes nothing; 0: never
-  double rebalance_threshold = 0.0; ///< busiest rank over the mean, above which cells are dealt out anew; 0: never
+  std::optional<geom::Box<2>> renew_box; ///< cells that change hands then: a diagnostic [m]
+  double rebalance_threshold = 0.0;      ///< busiest rank over the mean, above which cells are dealt out anew; 0: never
   Adapt adapt = Adapt::none;
   double critical_length = 0.0;  ///< damage as near to elements moves the border; 0: by horizon and elements [m]
   double expansion_length = 0.0; ///< elements as near to such damage become particles; 0: likewise [m]
   int adapt_interval = 1;        ///< steps from one look for such damage to the next
 
-  bool patches_move() const { return adapt != Adapt::none; }
+  bool patches_move() const { return adapt != Adapt::none || renew_box; }
   bool may_change(int ranks) const
   {
     return patches_move() || renew_interval > 0 || (rebalance_threshold > 0.0 && ranks > 1);

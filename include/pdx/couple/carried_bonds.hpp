@@ -59,6 +59,11 @@ public:
                      std::vector<double>& ratios) const;
   /// Keys of the bonds that broke and this rank counts.
   std::vector<std::uint64_t> broken() const;
+  /// Calls visit(key, patch) for each bond of this rank.
+  template <class Visit> void for_each_key(Visit&& visit) const
+  {
+    for (const CarriedBond<Dim>& bond : bonds_) visit(bond.key, bond.patch);
+  }
   /// Breaks the bonds with these keys. @param keys ascending, of all ranks
   void set_broken(std::span<const std::uint64_t> keys);
   /// Remembers which bonds are gone; `restore` goes back to what was remembered last.

@@ -16,6 +16,8 @@ public:
 
   bool unique() const { return unique_; }                 ///< no name of `from` came twice, on all ranks
   std::span<const Index> fresh() const { return fresh_; } ///< places in `to` of what `from` has not, ascending
+  /// Places in `from` that no rank wants, ascending. Collective.
+  std::vector<Index> left_behind() const;
   /// Values of `to`, 0 where fresh. Collective.
   /// @param values of `from` x components
   std::vector<double> carry(std::span<const double> values, int components) const;

@@ -55,6 +55,8 @@ public:
   /// Goes on from a state between steps: this rank's work, `held_force`, and the loads of that time.
   void resume(double time, double work, std::span<const double> held_force);
 
+  /// Of all ranks [kg m/s]. Collective. @param v owned, as in `v`
+  std::array<double, 3> momentum(std::span<const double> velocity) const;
   /// @param a owned [m/s^2]   @param step length [s]   Collective.
   KineticEnergy kinetic_energy(std::span<const double> a, double step) const;
   /// Strain energy, and what broken bonds have taken, of all ranks; the halo of u must be fresh. Collective. [J]

@@ -3,10 +3,11 @@
 #include "support/scene.hpp"
 
 #include "pdx/app/scene_names.hpp"
+#include "pdx/base/gather.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>
-#include <map>
+#include <set>
 
 using namespace pdx;
 using test::Field;
@@ -34,14 +35,21 @@ Field quadratic()
   };
 }
 
-/// Where particles of a scene are, by name.
-std::map<std::uint64_t, Vector<2>> places(const test::Scene& scene, app::Discretisation& d)
+/// Names of all particles, of all ranks.
+std::set<std::uint64_t> names_of(const test::Scene& scene, app::Discretisation& d)
 {
-  std::map<std::uint64_t, Vector<2>> all;
   const app::Standing standing(const_cast<mesh::Mesh*>(&scene.mesh()), &scene.plan(), &d);
   const app::SceneNames names(standing);
-  for (std::size_t k = 0; k < d.particles.size(); ++k) all[names.particles()[k].value()] = d.particles[k].x;
-  return all;
+  std::vector<std::uint64_t> mine;
+  for (const field::RowName name : names.particles()) mine.push_back(name.value());
+  const std::vector<std::uint64_t> all = gather_all(scene.mesh().comm(), mine);
+  return {all.begin(), all.end()};
+}
+
+Vector<2> place_of(const test::Scene& scene, field::RowName name)
+{
+  const couple::PatchShape& shape = scene.plan().shapes[0];
+  return shape.lattice.point(shape.names.site(name.key()).value());
 }
 
 /// The largest error of the particles that `covers` make, over the largest value; and each is where its name says.
@@ -60,15 +68,11 @@ double fill_error(test::Scene& scene, const std::vector<geom::Box<2>>& boxes, co
   app::SceneOptions options = plate(all, kElement / scene.plan().shapes[0].lattice.dx);
   options.cracks = scene.options().cracks;
   test::Scene later(options);
-  const std::map<std::uint64_t, Vector<2>> place = places(later, later.d());
+  const std::set<std::uint64_t> known = names_of(later, later.d());
   double worst = 0.0, largest = 0.0;
   for (std::size_t k = 0; k < fresh.names.size(); ++k) {
-    const auto at = place.find(fresh.names[k].value());
-    if (at == place.end()) {
-      ADD_FAILURE() << "no particle of that name on this rank";
-      continue;
-    }
-    const Vector<2> exact = field(at->second);
+    EXPECT_TRUE(known.contains(fresh.names[k].value()));
+    const Vector<2> exact = field(place_of(scene, fresh.names[k]));
     for (std::size_t f = 0; f < 2; ++f) {
       const Vector<2> found(fresh.fields[f][2 * k], fresh.fields[f][2 * k + 1]);
       worst = std::max(worst, (found - (f ? 2.0 : 1.0) * exact).norm());
@@ -111,9 +115,8 @@ TEST(Fill, ErrorsFallWithTheCubeOfElements)
     const std::vector<adapt::LayoutChange::Cover> covers{{box(8, 5, 10, 8), scene.plan().shapes[0].lattice.dx}};
     const adapt::FreshRows fresh = adapt::fill_particles(scene.d().view(scene.mesh()), covers, fields);
     double worst = 0.0;
-    const geom::SiteNames& names = scene.plan().shapes[0].names;
     for (std::size_t k = 0; k < fresh.names.size(); ++k) {
-      const Vector<2> x = scene.plan().shapes[0].lattice.point(names.site(fresh.names[k].key()).value());
+      const Vector<2> x = place_of(scene, fresh.names[k]);
       worst = std::max(worst, (Vector<2>(fresh.fields[0][2 * k], fresh.fields[0][2 * k + 1]) - wave(x)).norm());
     }
     return scene.max(worst);
@@ -151,10 +154,30 @@ TEST(Fill, SidesOfACrackMoveApart)
   const adapt::FreshRows fresh = adapt::fill_particles(d.view(scene.mesh()), covers, fields);
   double worst = 0.0;
   for (std::size_t k = 0; k < fresh.names.size(); ++k) {
-    const couple::PatchShape& shape = scene.plan().shapes[0];
-    const Vector<2> x = shape.lattice.point(shape.names.site(fresh.names[k].key()).value());
+    const Vector<2> x = place_of(scene, fresh.names[k]);
     worst = std::max(worst, (Vector<2>(fresh.fields[0][2 * k], fresh.fields[0][2 * k + 1]) - parted(x)).norm());
   }
   EXPECT_LT(scene.max(worst), 1e-12);
   EXPECT_EQ(scene.sum(static_cast<double>(fresh.names.size())), 2.0 * 3.0 * 16.0);
+}
+
+TEST(Fill, NodesTakeQuadraticsFromParticles)
+{
+  test::Scene scene(plate({box(3, 3, 9, 9)}));
+  const std::vector<double> u = scene.blocks(quadratic());
+  const std::span<const double> fields[] = {u};
+  const std::vector<geom::Box<2>> boxes{box(3, 3, 5, 5), box(5, 3, 6, 4)};
+  const adapt::FreshRows fresh = adapt::fill_nodes(scene.d().view(scene.mesh()), boxes, fields);
+  double worst = 0.0;
+  for (std::size_t k = 0; k < fresh.names.size(); ++k) {
+    ASSERT_EQ(fresh.names[k].kind(), field::RowName::Kind::node);
+    const auto number = static_cast<Index>(fresh.names[k].key());
+    for (Index v = 0; v < scene.mesh().owned_vertices(); ++v)
+      if (scene.mesh().natural_vertex(v) == number)
+        worst = std::max(
+            worst, (Vector<2>(fresh.fields[0][2 * k], fresh.fields[0][2 * k + 1]) - quadratic()(scene.mesh().point(v)))
+                       .norm());
+  }
+  EXPECT_LT(scene.max(worst), 1e-10);
+  EXPECT_EQ(scene.sum(static_cast<double>(fresh.names.size())), 5.0); // those on the border have rows already
 }

@@ -1,0 +1,84 @@
+#include "pdx/adapt/fill.hpp"
+#include "pdx/adapt/vertex_sums.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace pdx::adapt {
+namespace {
+constexpr double kEnough = 1e-7;     // smallest over largest eigenvalue of equations that say enough
+constexpr double kOnBorder = 1e-6;   // of the side of a box
+constexpr Eigen::Index kSquares = 6; // terms of a quadratic
+constexpr std::size_t kEntries = 36; // of its matrix
+using Square = Eigen::Matrix<double, kSquares, 1>;
+using Matrix = Eigen::Matrix<double, kSquares, kSquares>;
+using Sides = Eigen::Matrix<double, kSquares, Eigen::Dynamic>;
+
+/// Of a distance in units of the radius.
+double weight_at(double q) { return q < 1.0 ? (1.0 - q) * (1.0 - q) * (1.0 + 2.0 * q) : 0.0; }
+
+double longest_side(const std::array<Vector<2>, 4>& corners)
+{
+  double side = 0.0;
+  for (std::size_t a = 0; a < 4; ++a) side = std::max(side, (corners[(a + 1) % 4] - corners[a]).norm());
+  return side;
+}
+
+/// The value at the vertex: of the quadratic, of a plane where that is too much for the particles, or their mean.
+Eigen::RowVectorXd value_at_vertex(const double* sums, Eigen::Index sides)
+{
+  const Eigen::Map<const Matrix> matrix(sums);
+  const Eigen::Map<const Sides> right(sums + kEntries, kSquares, sides);
+  for (const Eigen::Index terms : {Eigen::Index{6}, Eigen::Index{3}}) {
+    const Eigen::MatrixXd part = matrix.topLeftCorner(terms, terms);
+    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(part).eigenvalues();
+    if (values.minCoeff() > kEnough * values.maxCoeff())
+      return part.ldlt().solve(Eigen::MatrixXd(right.topRows(terms))).row(0);
+  }
+  return right.row(0) / matrix(0, 0);
+}
+} // namespace
+
+FreshRows fill_nodes(const SceneView& scene, std::span<const geom::Box<2>> uncovered,
+                     std::span<const std::span<const double>> fields)
+{
+  const mesh::Mesh& mesh = scene.mesh;
+  const auto sides = static_cast<Eigen::Index>(2 * fields.size());
+  VertexSums sums(mesh, kEntries + static_cast<std::size_t>(kSquares * sides), [&](Index v) {
+    const auto holds = [&](const geom::Box<2>& box) {
+      return box.contains(mesh.point(v), kOnBorder * box.size().minCoeff());
+    };
+    return scene.node_rows[static_cast<std::size_t>(v)] < 0 && std::ranges::any_of(uncovered, holds);
+  });
+  const auto first = static_cast<std::size_t>(scene.halo.rows().first_particle());
+  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
+    const pd::Particle& p = scene.particles[k];
+    for (const Index v : mesh.cell(p.cell)) {
+      if (!sums.wanted(v)) continue;
+      const Vector<2> d = (p.x - mesh.point(v)) / longest_side(mesh.corners(p.cell));
+      const double weight = weight_at(d.norm());
+      if (weight == 0.0 || (scene.sets && scene.sets->cracks().cuts(mesh.point(v), p.x))) continue;
+      const Square terms{1.0, d[0], d[1], 0.5 * d[0] * d[0], d[0] * d[1], 0.5 * d[1] * d[1]};
+      double* to = sums.at(v);
+      Eigen::Map<Matrix>{to} += weight * terms * terms.transpose();
+      Eigen::Map<Sides> right(to + kEntries, kSquares, sides);
+      for (Eigen::Index s = 0; s < sides; ++s)
+        right.col(s) +=
+            weight * fields[static_cast<std::size_t>(s / 2)][2 * (first + k) + static_cast<std::size_t>(s % 2)] * terms;
+    }
+  }
+  sums.sum_up();
+
+  FreshRows fresh;
+  fresh.fields.resize(fields.size());
+  for (Index v = 0; v < mesh.owned_vertices(); ++v) {
+    if (!sums.wanted(v)) continue;
+    fresh.names.push_back(field::RowName::node(mesh.natural_vertex(v)));
+    const Eigen::RowVectorXd value = value_at_vertex(sums.at(v), sides);
+    for (std::size_t f = 0; f < fields.size(); ++f)
+      for (Eigen::Index d = 0; d < 2; ++d) fresh.fields[f].push_back(value[static_cast<Eigen::Index>(2 * f) + d]);
+  }
+  return fresh;
+}
+} // namespace pdx::adapt
