@@ -51,10 +51,14 @@ std::vector<Whereabouts> Directory::find(std::span<const std::uint64_t> names) c
   const auto asked =
       exchange(comm_, sort_by_rank<std::uint64_t>(names, keepers_of(names, ranks_of(comm_)), ranks_of(comm_), &order));
   Parcels<Whereabouts> answers{{}, asked.counts};
+  auto next = entries_.begin(); // names mostly come in order
   for (const std::uint64_t name : asked.records) {
-    const auto entry = std::ranges::lower_bound(entries_, name, {}, &Entry::name);
+    const auto entry = next != entries_.end() && next->name == name
+                           ? next
+                           : std::ranges::lower_bound(entries_, name, {}, &Entry::name);
     const bool known = entry != entries_.end() && entry->name == name;
     answers.records.push_back(known ? entry->at : Whereabouts{});
+    next = known ? entry + 1 : entry;
   }
   const std::vector<Whereabouts> sorted = exchange(comm_, answers).records;
   std::vector<Whereabouts> found(names.size());

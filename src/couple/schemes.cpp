@@ -21,20 +21,26 @@ Site<2> stepped(Site<2> site, const Site<2>& step, int sign)
 /// A bond before the rows of particles of other ranks are known. `site` >= 0: the end `a` is that particle.
 struct Draft {
   Index site = -1;
-  PetscInt row = -1; // global row of the particle, -1 while unknown
-  Host a, b, force_a, force_b;
-  Vector<2> xi;
+  PetscInt row = -1;                                // global row of the particle, -1 while unknown
+  Index a = -1, b = -1, force_a = -1, force_b = -1; // carried points; none of `a` where a particle is
+  Vector<2> xi = Vector<2>::Zero();
   double kappa = 0.0, energy_share = 0.0, volume = 0.0;
   bool cut = false, no_fail = false;
   std::uint64_t key = 0;
 };
+
+/// What carries the ends of a bond, and what the points where its force acts; null where a particle is.
+struct Ends {
+  const Host *a = nullptr, *b = nullptr, *force_a = nullptr, *force_b = nullptr;
+};
 constexpr std::uint64_t kParts = 32; // of a bond that can act: more than it has pieces
 
-/// Writes the drafts of one patch, in order of sites.
+/// Writes the drafts of one patch, in order of sites, and the points that elements carry.
 class Drafter {
 public:
-  Drafter(const field::Rows& rows, const CouplingOptions& options, const Part& part, const Surroundings& around)
-      : rows_(rows), options_(options), part_(part), around_(around),
+  Drafter(const field::Rows& rows, const CouplingOptions& options, const Part& part, const Surroundings& around,
+          CarriedPoints<2>& points)
+      : rows_(rows), options_(options), part_(part), around_(around), points_(points),
         exists_(family_of(around, part.stencil(), options.scheme)),
         mine_(around.edges_of_rows(rows.first, rows.first + rows.owned()))
   {
@@ -110,11 +116,22 @@ private:
     return bond * kParts + static_cast<std::uint64_t>(part);
   }
 
-  bool mine(const Host& host) const
+  bool mine(const Host* host) const
   {
-    for (std::size_t k = 0; k < static_cast<std::size_t>(host.count); ++k)
-      if (rows_.owns(host.rows[k])) return true;
+    for (std::size_t k = 0; host && k < static_cast<std::size_t>(host->count); ++k)
+      if (rows_.owns(host->rows[k])) return true;
     return false;
+  }
+
+  /// Forces act where the ends are, but in the interface scheme.
+  void keep(Draft& draft, const Ends& ends)
+  {
+    const bool apart = options_.scheme == Scheme::interface;
+    if (ends.a) draft.a = points_.add(*ends.a);
+    if (ends.a) draft.force_a = apart ? points_.add(*ends.force_a) : draft.a;
+    draft.b = points_.add(*ends.b);
+    draft.force_b = apart ? points_.add(*ends.force_b) : draft.b;
+    drafts_.push_back(draft);
   }
 
   /// Bonds from a particle that leave the patch, up to where they do.
@@ -140,9 +157,12 @@ private:
         draft.energy_share = arm.length / part_.stencil().volume();
         draft.volume = arm.volume_share * part_.stencil().volume();
         const double leave = leaves(site, line);
-        if (!place_far_end(draft, x, leave, other)) continue;
-        judge(draft, x, draft.xi, {x, lattice.point(other)});
-        if (row >= 0 || mine(draft.b) || mine(draft.force_b)) drafts_.push_back(draft);
+        std::optional<Host> edge;
+        Ends ends;
+        if (!place_far_end(draft, x, leave, other, edge, ends)) continue;
+        if (row < 0 && !mine(ends.b) && !mine(ends.force_b)) continue;
+        judge(draft, ends, x, draft.xi, {x, lattice.point(other)});
+        keep(draft, ends);
       }
   }
 
@@ -158,16 +178,16 @@ private:
   }
 
   /// Chooses what carries the outer end; false where the bond leaves through a side without elements behind.
-  bool place_far_end(Draft& draft, const Vector<2>& x, double leave, const Site<2>& other) const
+  bool place_far_end(Draft& draft, const Vector<2>& x, double leave, const Site<2>& other, std::optional<Host>& edge,
+                     Ends& ends) const
   {
-    std::optional<Host> edge;
     if (options_.scheme != Scheme::ghost) {
       edge = around_.edge_host(x + leave * draft.xi, -leave * draft.xi, zone());
       if (!edge) return false;
       if (options_.scheme == Scheme::energy) draft.xi *= leave;
     }
-    draft.b = options_.scheme == Scheme::energy ? *edge : around_.element_host(other);
-    draft.force_b = options_.scheme == Scheme::ghost ? draft.b : *edge;
+    ends.b = options_.scheme == Scheme::energy ? &*edge : &around_.element_host(other);
+    ends.force_b = options_.scheme == Scheme::ghost ? ends.b : &*edge;
     return true;
   }
 
@@ -196,35 +216,35 @@ private:
     Draft draft;
     draft.key = key(site, h, 1, part.first + 1);
     draft.kappa = arm.kappa * surface_factor(site, h, 1);
-    draft.force_a = *enter;
-    draft.force_b = *leave;
     const bool energy = options_.scheme == Scheme::energy;
-    draft.a = energy ? *enter : around_.element_host(site);
-    draft.b = energy ? *leave : around_.element_host(other);
+    const Ends ends{energy ? &*enter : &around_.element_host(site), energy ? &*leave : &around_.element_host(other),
+                    &*enter, &*leave};
+    if (!mine(ends.force_a) && !mine(ends.force_b) && !mine(ends.a)) return; // rows of `a` count the energy
     draft.xi = energy ? Vector<2>(2.0 * half) : arm.xi;
-    judge(draft, energy ? begin : x, draft.xi, {x, part_.lattice().point(other)});
-    // Rows of `a` count the energy.
-    if (mine(draft.force_a) || mine(draft.force_b) || mine(draft.a)) drafts_.push_back(draft);
+    judge(draft, ends, energy ? begin : x, draft.xi, {x, part_.lattice().point(other)});
+    keep(draft, ends);
   }
 
   /// Is the part of the bond that acts cut by a crack, and may it break?
-  void judge(Draft& draft, const Vector<2>& begin, const Vector<2>& acts, const std::array<Vector<2>, 2>& ends) const
+  void judge(Draft& draft, const Ends& ends, const Vector<2>& begin, const Vector<2>& acts,
+             const std::array<Vector<2>, 2>& sites) const
   {
-    const bool moved = draft.a.across || draft.b.across || draft.force_a.across || draft.force_b.across;
+    for (const Host* host : {ends.a, ends.b, ends.force_a, ends.force_b})
+      draft.cut = draft.cut || (host && host->across);
     // A bond that meets the border where a crack enters moves there with its own side, from whichever side it comes.
-    const auto touch = [&acts](const Host& end) { return Vector<2>((end.sided ? kTouch : 0.0) * acts); };
-    const Vector<2> from = begin + touch(draft.a), to = begin + acts - touch(draft.b);
-    draft.cut = moved;
+    const auto touch = [&acts](const Host* end) { return Vector<2>((end && end->sided ? kTouch : 0.0) * acts); };
+    const Vector<2> from = begin + touch(ends.a), to = begin + acts - touch(ends.b);
     for (const crack::CrackSet* cracks : {options_.cracks, options_.seams})
       draft.cut = draft.cut || (cracks && cracks->cuts(from, to));
     for (const geom::Box<2>& box : options_.no_fail)
-      for (const Vector<2>& end : ends) draft.no_fail = draft.no_fail || box.contains(end);
+      for (const Vector<2>& end : sites) draft.no_fail = draft.no_fail || box.contains(end);
   }
 
   const field::Rows& rows_;
   const CouplingOptions& options_;
   const Part& part_;
   const Surroundings& around_;
+  CarriedPoints<2>& points_;
   pd::Exists<2> exists_;
   std::optional<geom::Box<2>> mine_;
   std::vector<std::array<std::vector<geom::LinePiece<2>>, 2>> lines_; // per half arm, backwards and along it
@@ -278,7 +298,7 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
   CarriedPoints<2> points;
   std::vector<CarriedBond<2>> bonds;
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    std::vector<Draft> drafts = Drafter(rows, options, *parts[p], around[p]).write();
+    std::vector<Draft> drafts = Drafter(rows, options, *parts[p], around[p], points).write();
     complete(drafts, *parts[p]);
     PetscInt last_row = -1;
     Index last_point = -1;
@@ -292,16 +312,15 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
       bond.no_fail = draft.no_fail;
       bond.patch = static_cast<int>(p);
       bond.key = draft.key;
+      bond.a = draft.a;
+      bond.force_a = draft.force_a;
+      bond.b = draft.b;
+      bond.force_b = draft.force_b;
       if (draft.site >= 0) {
         if (draft.row != last_row) last_point = points.add(Host::of_row(draft.row));
         last_row = draft.row;
         bond.a = bond.force_a = last_point;
-      } else {
-        bond.a = points.add(draft.a);
-        bond.force_a = options.scheme == Scheme::interface ? points.add(draft.force_a) : bond.a;
       }
-      bond.b = points.add(draft.b);
-      bond.force_b = options.scheme == Scheme::interface ? points.add(draft.force_b) : bond.b;
       bonds.push_back(bond);
     }
   }
