@@ -126,6 +126,7 @@ void add_dormant(NamedState& state, const Dormant& dormant)
     std::ranges::set_union(*state.carried, dormant.carried, std::back_inserter(all));
     state.carried = std::move(all);
   }
+  if (dormant.particles.empty()) return;
   const auto width = static_cast<std::size_t>(state.words_per_particle);
   std::map<std::uint64_t, std::size_t> known;
   for (std::size_t k = 0; k < state.particles.size(); ++k) known[state.particles[k].value()] = k;
