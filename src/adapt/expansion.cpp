@@ -1,6 +1,7 @@
 #include "pdx/adapt/expansion.hpp"
 
 #include "pdx/base/gather.hpp"
+#include "pdx/mesh/vertex_halo.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -54,9 +55,23 @@ struct Found {
   double spacing;            ///< [m]
 };
 
-Found found(const mesh::Mesh& mesh, Index cell, const geom::Box<2>& box, double spacing)
+Found found(const mesh::Mesh& mesh, Index cell, const geom::Box<2>& box, const geom::Lattice<2>& lattice)
 {
-  return {mesh.natural_cell(cell), {box.lower[0], box.lower[1], box.upper[0], box.upper[1]}, spacing};
+  return {mesh.natural_cell(cell), {box.lower[0], box.lower[1], box.upper[0], box.upper[1]}, lattice.dx};
+}
+
+bool touch(const geom::Box<2>& a, const geom::Box<2>& b)
+{
+  const double near = kFits * a.size().minCoeff();
+  return (a.lower.array() <= b.upper.array() + near).all() && (b.lower.array() <= a.upper.array() + near).all();
+}
+
+/// Is x a corner of its cells, and are they as wide?
+bool same_lattice(const geom::Lattice<2>& lattice, const Vector<2>& x, double spacing)
+{
+  const Vector<2> lines = (x - lattice.origin) / lattice.dx;
+  return std::abs(lattice.dx - spacing) < kFits * spacing &&
+         ((lines.array() - lines.array().round()).abs() < 1e-3).all();
 }
 
 /// Those of all ranks, by natural number.
@@ -68,9 +83,31 @@ std::vector<LayoutChange::Cover> gathered(MPI_Comm comm, std::vector<Found> mine
   for (const auto& [cell, box, spacing] : all) covers.push_back({{{box[0], box[1]}, {box[2], box[3]}}, spacing});
   return covers;
 }
-} // namespace
 
-namespace {
+/// Would a patch of another lattice share a side or a corner with a box?
+bool meets_another(const SceneView& scene, const geom::Box<2>& box, const geom::Lattice<2>& lattice)
+{
+  return std::ranges::any_of(scene.around, [&](const couple::Surroundings& around) {
+    const couple::PatchShape& shape = around.shape();
+    return !same_lattice(shape.lattice, lattice.origin, lattice.dx) &&
+           std::ranges::any_of(shape.boxes, [&](const geom::Box<2>& other) { return touch(box, other); });
+  });
+}
+
+/// Without those that would touch an earlier one of another lattice.
+std::vector<LayoutChange::Cover> apart(const std::vector<LayoutChange::Cover>& covers)
+{
+  std::vector<LayoutChange::Cover> kept;
+  for (const LayoutChange::Cover& cover : covers) {
+    const auto strange = [&](const LayoutChange::Cover& other) {
+      const geom::Lattice<2> lattice{other.box.lower, other.spacing, {1, 1}};
+      return touch(cover.box, other.box) && !same_lattice(lattice, cover.box.lower, cover.spacing);
+    };
+    if (std::ranges::none_of(kept, strange)) kept.push_back(cover);
+  }
+  return kept;
+}
+
 /// Does no crack run through a cell?
 bool is_whole(const SceneView& scene, Index cell)
 {
@@ -79,44 +116,91 @@ bool is_whole(const SceneView& scene, Index cell)
   const crack::CrackSet& cracks = scene.sets->cracks();
   return !cracks.cuts(x[0], x[2]) && !cracks.cuts(x[1], x[3]);
 }
+/// Which cells some node of is held. Collective.
+class HeldCells {
+public:
+  HeldCells(const SceneView& scene, bool asked)
+      : mesh_(scene.mesh), node_(asked ? static_cast<std::size_t>(scene.mesh.vertices()) : 0, 0)
+  {
+    if (!asked) return;
+    const field::Rows& rows = scene.halo.rows();
+    for (Index v = 0; v < mesh_.owned_vertices(); ++v) {
+      const PetscInt row = scene.node_rows[static_cast<std::size_t>(v)] - rows.first;
+      if (row < 0 || row >= rows.owned()) continue;
+      const auto at = 2 * static_cast<std::size_t>(row);
+      node_[static_cast<std::size_t>(v)] = scene.held[at] || scene.held[at + 1];
+    }
+    mesh::fill_halo(mesh_, MPI_INT, 1, node_.data());
+  }
+  bool has(Index cell) const
+  {
+    return !node_.empty() &&
+           std::ranges::any_of(mesh_.cell(cell), [&](Index v) { return node_[static_cast<std::size_t>(v)] != 0; });
+  }
+
+private:
+  const mesh::Mesh& mesh_;
+  std::vector<int> node_;
+};
 } // namespace
 
-std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches)
+bool can_expand(const SceneView& scene)
+{
+  bool any = false;
+  for (Index c = 0; c < scene.mesh.owned_cells(); ++c)
+    for (const couple::Surroundings& around : scene.around) {
+      const auto corners = scene.mesh.corners(c);
+      any = any || (scene.mesh.use(c) != mesh::Use::covered &&
+                    is_divided(corners, box_around(corners), around.shape().lattice));
+    }
+  return any_rank(scene.mesh.comm(), any);
+}
+
+std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches, bool spare_held)
 {
   const std::vector<Front> damage = fronts(scene, reaches);
   if (damage.empty()) return {};
   const mesh::Mesh& mesh = scene.mesh;
+  const HeldCells held(scene, spare_held);
   std::vector<Found> mine;
   for (Index c = 0; c < mesh.owned_cells(); ++c) {
-    if (mesh.use(c) == mesh::Use::covered) continue;
+    if (mesh.use(c) == mesh::Use::covered || held.has(c)) continue;
     const auto corners = mesh.corners(c);
     const geom::Box<2> box = box_around(corners);
+    std::size_t first = scene.around.size(); // patch that wants it and can have it
     for (const Front& front : damage) {
       const auto patch = static_cast<std::size_t>(front.patch);
       const double far = (1.0 - kSame) * reaches[patch].expansion;
       const Vector<2> at(front.x[0], front.x[1]);
-      if (!box.contains(at, far)) continue;
+      if (patch >= first || !box.contains(at, far)) continue;
       if (std::ranges::none_of(corners, [&](const Vector<2>& x) { return (x - at).norm() < far; })) continue;
       const geom::Lattice<2>& lattice = scene.around[patch].shape().lattice;
-      if (is_divided(corners, box, lattice)) mine.push_back(found(mesh, c, box, lattice.dx));
-      break;
+      if (is_divided(corners, box, lattice) && !meets_another(scene, box, lattice)) first = patch;
     }
+    if (first < scene.around.size()) mine.push_back(found(mesh, c, box, scene.around[first].shape().lattice));
   }
-  return gathered(mesh.comm(), std::move(mine));
+  return apart(gathered(mesh.comm(), std::move(mine)));
 }
 
-LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box)
+LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box, bool spare_held)
 {
   const mesh::Mesh& mesh = scene.mesh;
   const geom::Lattice<2>& lattice = scene.around.front().shape().lattice;
+  const HeldCells held(scene, spare_held);
   std::vector<Found> elements, covered;
+  std::int64_t left = 0; // covered cells outside the box
+  for (Index c = 0; c < mesh.owned_cells(); ++c)
+    left += mesh.use(c) == mesh::Use::covered && !box.contains(mesh.centroid(c));
+  MPI_Allreduce(MPI_IN_PLACE, &left, 1, MPI_INT64_T, MPI_SUM, mesh.comm());
+  if (left == 0) return {}; // some patch must stay
   for (Index c = 0; c < mesh.owned_cells(); ++c) {
-    if (!box.contains(mesh.centroid(c))) continue;
+    if (!box.contains(mesh.centroid(c)) || held.has(c)) continue;
     const geom::Box<2> cell = box_around(mesh.corners(c));
     if (mesh.use(c) == mesh::Use::covered && is_whole(scene, c))
-      covered.push_back(found(mesh, c, cell, lattice.dx));
-    else if (mesh.use(c) != mesh::Use::covered && is_divided(mesh.corners(c), cell, lattice))
-      elements.push_back(found(mesh, c, cell, lattice.dx));
+      covered.push_back(found(mesh, c, cell, lattice));
+    else if (mesh.use(c) != mesh::Use::covered && is_divided(mesh.corners(c), cell, lattice) &&
+             !meets_another(scene, cell, lattice))
+      elements.push_back(found(mesh, c, cell, lattice));
   }
   LayoutChange change;
   for (const auto& [where, spacing] : gathered(mesh.comm(), std::move(covered))) change.uncover.push_back(where);

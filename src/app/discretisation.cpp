@@ -251,7 +251,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
 
 adapt::SceneView Discretisation::view(const mesh::Mesh& mesh) const
 {
-  return {mesh, node_rows, sets.get(), around, *bonds, carried, *system.halo, particles};
+  return {mesh, node_rows, sets.get(), around, *bonds, carried, *system.halo, particles, system.held};
 }
 
 post::Energies Discretisation::energies(std::span<const double> local) const

@@ -142,8 +142,9 @@ void add_dormant(NamedState& state, const Dormant& dormant)
   if (state.cracks) state.cracks->damage.resize(state.particles.size(), -1.0);
 }
 
-StateMove::StateMove(const NamedState& state, const Standing& scene)
-    : state_(state), scene_(scene), names_(scene), rows_(scene.model->system.rows.comm, state.rows, names_.rows()),
+StateMove::StateMove(const NamedState& state, const Standing& scene, bool changed)
+    : state_(state), scene_(scene), changed_(changed), names_(scene),
+      rows_(scene.model->system.rows.comm, state.rows, names_.rows()),
       particles_(scene.model->system.rows.comm, state.particles, names_with_words(scene, names_)), misfit_(misfit_of())
 {}
 
@@ -208,24 +209,47 @@ void StateMove::break_joined() const
   }
 }
 
-/// Keys of the carried bonds that are broken: those that were carried then, and those that lay in a patch.
+namespace {
+std::uint64_t name_of(const pd::LatticePart<2>::BondAt& bond, const geom::SiteNames& names)
+{
+  return names.of(bond.lower) * pd::kMaxHalfArms + bond.arm;
+}
+} // namespace
+
+/// Bonds of which some part had broken that elements carried.
+std::set<std::uint64_t> StateMove::parted_bonds() const
+{
+  std::set<std::uint64_t> bonds;
+  for (const std::uint64_t key : *state_.carried)
+    for (std::size_t p = 0; p < scene_.plan->shapes.size(); ++p)
+      if (const auto bond = couple::lattice_bond(key, scene_.plan->shapes[p].names, scene_.plan->stencils[p])) {
+        bonds.insert(name_of(*bond, scene_.plan->shapes[p].names));
+        break;
+      }
+  return bonds;
+}
+
+/// Keys of the carried bonds that are broken: those that were carried then, and those that lay in a patch. Under
+/// another layout lines are parted elsewhere: of a bond with a broken part no part heals.
 std::vector<std::uint64_t> StateMove::broken_carried() const
 {
   std::vector<std::uint64_t> keys;
   std::vector<std::size_t> arms;
+  std::vector<std::uint64_t> broken = *state_.carried;
+  const std::set<std::uint64_t> parted = changed_ ? parted_bonds() : std::set<std::uint64_t>{};
   std::vector<field::RowName> lower; // ends of the bonds
   scene_.d->carried->for_each_key([&](std::uint64_t key, Index patch) {
     const auto p = static_cast<std::size_t>(patch);
     const geom::SiteNames& names = scene_.plan->shapes[p].names;
     const auto bond = couple::lattice_bond(key, names, scene_.plan->stencils[p]);
     if (!bond) throw std::logic_error("a carried bond is of no lattice");
+    if (parted.contains(name_of(*bond, names))) broken.push_back(key);
     keys.push_back(key);
     arms.push_back(bond->arm);
     lower.push_back(field::RowName::particle(names.of(bond->lower)));
   });
   const field::RowMove ends(scene_.model->system.rows.comm, state_.particles, lower);
   const std::vector<std::uint64_t> gone = ends.carry(state_.gone, state_.words_per_particle);
-  std::vector<std::uint64_t> broken = *state_.carried;
   for (std::size_t k = 0; k < keys.size(); ++k)
     if (gone[kLatticeWords * k + arms[k] / 64] >> (arms[k] % 64) & 1u) broken.push_back(keys[k]);
   std::ranges::sort(broken);

@@ -52,9 +52,29 @@ adapt::Reaches PatchMover::reaches(const couple::Surroundings& around, double ho
           length(given.expansion_length, kExpansion[in_time], horizon, element)};
 }
 
+std::vector<adapt::Reaches> PatchMover::reaches(const adapt::SceneView& scene, const PatchPlan& plan) const
+{
+  std::vector<adapt::Reaches> all;
+  for (std::size_t p = 0; p < scene.around.size(); ++p)
+    all.push_back(reaches(scene.around[p], plan.stencils[p].horizon));
+  return all;
+}
+
+std::string PatchMover::begin(const adapt::SceneView& scene, const PatchPlan& plan) const
+{
+  for (const auto& [critical, expansion] : reaches(scene, plan))
+    if (expansion <= critical)
+      throw UserError(
+          fmt::format("-adapt_expansion_length is {:g}: must be above the {:g} of -adapt_critical_length, or "
+                      "patches never move away from what broke",
+                      expansion, critical));
+  if (adapt::can_expand(scene)) return "";
+  return "-adapt: the sides of no element are whole numbers of -pd_spacing on its lines, so no patch will grow";
+}
+
 adapt::LayoutChange PatchMover::renewal(const adapt::SceneView& scene) const
 {
-  return adapt::exchanged(scene, *options_.layout.renew_box);
+  return adapt::exchanged(scene, *options_.layout.renew_box, options_.time.dynamic());
 }
 
 adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken)
@@ -64,11 +84,8 @@ adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const PatchP
   broken_ = broken;
   if (!more) return {};
   const Timed timed(event);
-  std::vector<adapt::Reaches> all;
-  for (std::size_t p = 0; p < scene.around.size(); ++p)
-    all.push_back(reaches(scene.around[p], plan.stencils[p].horizon));
   adapt::LayoutChange change;
-  change.cover = adapt::expansion(scene, all);
+  change.cover = adapt::expansion(scene, reaches(scene, plan), options_.time.dynamic());
   return change;
 }
 } // namespace pdx::app

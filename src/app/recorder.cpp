@@ -29,17 +29,15 @@ void Recorder::built(const Standing& scene)
   if (options_.output.history) open_history();
 }
 
-void Recorder::take_scene(const Standing& scene, const StateMove& move, std::span<const double> fresh)
+void Recorder::take_scene(const Standing& scene, double load, std::vector<double> u,
+                          std::span<const double> internal_force)
 {
   files_.take_scene(scene);
   d_ = scene.d;
   if (!ledger_) return;
-  post::LedgerState before = ledger_->state();
-  before.u.insert(before.u.end(), fresh.begin(), fresh.end());
-  before.force.resize(before.u.size(), 0.0);
-  const int dim = d_->system.rows.dim;
   ledger_ = std::make_unique<post::EnergyLedger>(
-      d_->system, post::LedgerState{move.rows(before.u, dim), move.rows(before.force, dim), before.balance});
+      d_->system,
+      post::LedgerState{std::move(u), post::external_force(d_->system, load, internal_force), ledger_->balance()});
 }
 
 void Recorder::open_history()

@@ -158,6 +158,16 @@ void RunFiles::write_fields(double time, Vec u, const std::vector<double>& relat
   fields->write(time, blocks);
 }
 
+void RunFiles::told_if_refused(const std::function<void()>& act)
+{
+  try {
+    act();
+  } catch (const UserError& wrong) {
+    fail(wrong.what());
+    throw;
+  }
+}
+
 void RunFiles::fail(const std::string& why)
 {
   summary.message = why;

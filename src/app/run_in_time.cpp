@@ -32,10 +32,11 @@ public:
   {
     build();
     for (const std::string& warning : scene_->warnings()) files_.warn(warning);
+    if (mover_.follows()) files_.warn(mover_.begin(scene_->view(), *scene_->standing().plan));
     recorder_.built(scene_->standing());
     if (checkpoints_) checkpoints_->begin(files_.scene, layout_, *driver_, recorder_);
     recorder_.started(*driver_, limits_);
-    while (step() == Verdict::relayout) renew();
+    while (step() == Verdict::relayout) files_.told_if_refused([&] { renew(); });
     if (checkpoints_ && !checkpoints_->stopped().empty()) return stop();
     count_changes();
     recorder_.finish(*driver_);
@@ -165,7 +166,7 @@ private:
     driver_.reset();
     rebuild(moves && !uneven_);
     add_dormant(state, dormant_);
-    const StateMove move(state, scene_->standing());
+    const StateMove move(state, scene_->standing(), moves);
     move.require_fit();
     move.break_bonds();
     dormant_ = move.dormant();

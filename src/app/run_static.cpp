@@ -87,11 +87,12 @@ public:
     const std::vector<double> at_rest(2 * static_cast<std::size_t>(d_->system.halo->size()), 0.0);
     require_contours({ground_->mesh, files_.options, ground_->plan, *d_, at_rest});
     stop_if_told(files_.comm());
+    if (mover_.follows()) files_.warn(mover_.begin(d_->view(ground_->mesh), ground_->plan));
     recorder_.built(standing());
     drive({});
     files_.started();
     solve::LoadPath path = driver_->path();
-    while (load(path) == Verdict::relayout) renew();
+    while (load(path) == Verdict::relayout) files_.told_if_refused([&] { renew(); });
     recorder_.finish(driver_->report());
   }
 
@@ -140,8 +141,11 @@ private:
           u_.get(), path,
           [&](const solve::Step& step, Vec state) {
             recorder_.accept(step, state, *driver_, prior_);
+            load_ = step.load;
             const int interval = files_.options.layout.renew_interval;
-            return interval > 0 && step.number % interval == 0 && !path.done() ? Verdict::relayout : Verdict::go_on;
+            if (interval == 0 || step.number % interval || path.done()) return Verdict::go_on;
+            if (mover_.renews()) change_ = mover_.renewal(d_->view(ground_->mesh));
+            return Verdict::relayout;
           },
           &open_);
     } catch (const SolverFailure&) {
@@ -166,25 +170,28 @@ private:
   struct Moment {
     NamedState state;
     pd::Broken broken;
-    std::vector<double> fresh; ///< displacement of rows to come [m]
   };
   Moment moment(std::span<const double> u)
   {
-    Moment now{capture(standing()), d_->fracture ? d_->fracture->all() : pd::Broken{}, {}};
+    Moment now{capture(standing()), d_->fracture ? d_->fracture->all() : pd::Broken{}};
     now.state.moving.u.assign(u.begin(), u.end());
-    if (change_.empty()) {
-      add_dormant(now.state, dormant_);
-      return now;
-    }
+    add_dormant(now.state, dormant_);
+    if (change_.empty()) return now;
     std::vector<double> local;
     d_->system.halo->fetch(u, now.state.dim, local);
     const std::span<const double> fields[] = {local};
     const adapt::SceneView view = d_->view(ground_->mesh);
     if (!change_.cover.empty()) add_rows(now.state, adapt::fill_particles(view, change_.cover, fields));
     if (!change_.uncover.empty()) add_rows(now.state, adapt::fill_nodes(view, change_.uncover, fields));
-    now.fresh.assign(now.state.moving.u.begin() + static_cast<std::ptrdiff_t>(u.size()), now.state.moving.u.end());
-    add_dormant(now.state, dormant_);
     return now;
+  }
+
+  std::vector<double> internal_force(std::span<const double> u) const
+  {
+    std::vector<double> local, force(u.size(), 0.0);
+    d_->system.halo->fetch(u, d_->system.rows.dim, local);
+    for (const auto& term : d_->system.terms) term->add_residual(local, force);
+    return force;
   }
 
   /// Takes over what is broken, and returns the displacement.
@@ -214,14 +221,22 @@ private:
     driver_.reset();
     d_.reset();
     rebuild();
+    const bool moved = !change_.empty();
+    std::vector<double> start, force; // of the load accepted last
     if (open_) {
-      open_->start = take(StateMove(accepted->state, standing()), *accepted);
+      start = open_->start = take(StateMove(accepted->state, standing(), moved), *accepted);
       for (const auto& after : d_->system.after) after->save();
+      force = internal_force(start);
     }
-    const StateMove move(now.state, standing());
-    field::set_owned_values(u_.get(), take(move, now));
+    const StateMove move(now.state, standing(), moved);
+    const std::vector<double> u = take(move, now);
+    if (!open_) {
+      start = u;
+      force = internal_force(start);
+    }
+    field::set_owned_values(u_.get(), u);
     dormant_ = move.dormant();
-    recorder_.take_scene(standing(), move, accepted ? accepted->fresh : now.fresh);
+    recorder_.take_scene(standing(), load_, start, force);
     drive(std::move(report));
     change_ = {};
     files_.layout_seconds += MPI_Wtime() - begin;
@@ -253,6 +268,7 @@ private:
   std::unique_ptr<Discretisation> d_;           // on ground_
   std::unique_ptr<solve::StaticDriver> driver_; // on d_
   VecHandle u_;
+  double load_ = 0.0; // accepted last
 };
 } // namespace
 

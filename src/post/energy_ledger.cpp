@@ -7,13 +7,19 @@ EnergyLedger::EnergyLedger(const field::System& system)
                            {}}
 {}
 
+std::vector<double> external_force(const field::System& system, double load, std::span<const double> internal_force)
+{
+  std::vector<double> force(system.load);
+  for (double& f : force) f *= load;
+  for (const Index c : system.prescribed.components)
+    force[static_cast<std::size_t>(c)] = internal_force[static_cast<std::size_t>(c)];
+  return force;
+}
+
 const EnergyBalance& EnergyLedger::accept(double load, std::span<const double> u,
                                           std::span<const double> internal_force, const Energies& mine)
 {
-  std::vector<double> force(system_.load);
-  for (double& f : force) f *= load;
-  for (const Index c : system_.prescribed.components)
-    force[static_cast<std::size_t>(c)] = internal_force[static_cast<std::size_t>(c)];
+  std::vector<double> force = external_force(system_, load, internal_force);
   double work = 0.0;
   for (std::size_t i = 0; i < force.size(); ++i) {
     work += 0.5 * (at_.force[i] + force[i]) * (u[i] - at_.u[i]);

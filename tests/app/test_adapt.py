@@ -46,6 +46,7 @@ PULSE = FLYING | {
     "-bc_left_history_width": "5e-4",
     "-ts_max_steps": "400",
 }
+INSIDE = "0.625,0.375,0.875,0.75"
 TURNS = {"-layout_renew_interval": "20", "-layout_renew_box": "0.625,0.375,1,0.75"}
 # The double cantilever beam, whose crack grows by far within loads.
 BEAM = {"-options_file": "cases/dcb/smoke.opts", "-output_fields": "false", "-output_history": "", "-quiet": ""}
@@ -129,8 +130,8 @@ class Adapt(program.ProgramTest):
         for ranks in (1, 2, 3):
             with self.subTest(ranks=ranks):
                 whole, turned = (self.solve(EVEN | {"-output_fields": ""} | more, ranks)
-                                 for more in ({}, TURNS | {"-layout_renew_interval": "1"}))
-                self.assertEqual(turned.events["layout_change"], 3)
+                                 for more in ({}, TURNS | {"-layout_renew_interval": "1", "-layout_renew_box": INSIDE}))
+                self.assertEqual(turned.summary["relocations"], 3)
                 self.assertGreater(turned.summary["unknowns"]["pd"], 0)
                 for name in ("strain_energy", "external_work", "max_displacement_component"):
                     a, b = (run.summary["results"][name] for run in (whole, turned))
@@ -145,6 +146,34 @@ class Adapt(program.ProgramTest):
         elastic = [sum(row[f"energy_{of}"] for of in ("elements", "bonds", "interface")) for row in (a, b)]
         self.assertAlmostEqual(*elastic, delta=0.02 * work)
 
+    def test_work_goes_on_where_a_moved_side_becomes_particles(self):
+        pulled = EVEN | {"-bc_right_traction": None, "-bc_right_displacement": "1e-3,free", "-output_history": ""}
+        whole, turned = (self.solve(pulled | more) for more in
+                         ({}, TURNS | {"-layout_renew_interval": "1", "-layout_renew_box": "0.75,0,1,1"}))
+        self.assertEqual(turned.summary["relocations"], 3)
+        for a, b in zip(whole.history(), turned.history(), strict=True):
+            self.assertAlmostEqual(a["work"], b["work"], delta=0.05 * whole.history()[-1]["work"])
+
+    def test_patches_of_two_spacings_keep_elements_between_them(self):
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                two = LARGE | {
+                    "-pd_patches": "-0.015,-0.005,-0.003,0.005,0.003,-0.005,0.015,0.005",
+                    "-pd_spacing": "3.333333333333333e-4,5e-4",
+                    "-adapt": "expand",
+                    "-adapt_critical_length": "0.004",
+                    "-adapt_expansion_length": "0.008",
+                }
+                run = self.solve(two, ranks)
+                self.assertGreater(run.summary["relocations"], 0)
+                self.assertGreater(run.summary["bonds_broken"], 500)
+
+    def test_a_spacing_by_which_no_patch_can_grow_is_told(self):
+        odd = PLATE | {"-pd_patches": "-0.009,-0.005,0.011,0.007", "-pd_spacing": "8e-4", "-ts_max_steps": "5"}
+        run = self.launch(odd)
+        self.assertEqual(run.status, 0)
+        self.assertRegex(run.err, "warning: -adapt.*no element.*-pd_spacing")
+
     def test_what_cannot_move_is_refused(self):
         for change, words in (
             ({"-pd_patches": "all"}, "-adapt"),
@@ -152,6 +181,7 @@ class Adapt(program.ProgramTest):
             ({"-analysis": "implicit", "-ts_dt": "1e-5"}, "-adapt.*-analysis explicit"),
             ({"-adapt_critical_length": "0.01", "-adapt_expansion_length": "0.005"}, "-adapt_expansion_length"),
             ({"-adapt": "none", "-adapt_every": "5"}, "-adapt_every.*-adapt expand"),
+            ({"-adapt_expansion_length": "1e-4"}, "-adapt_expansion_length.*above the 0.00"),
             ({"-adapt": "grow"}, "-adapt.*none, expand"),
         ):
             with self.subTest(change):

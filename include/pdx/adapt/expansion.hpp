@@ -11,11 +11,18 @@ struct Reaches {
 
 /// The elements that are to become particles: those with a node nearer than `expansion` to a particle that lost a bond
 /// and is nearer than `critical` to the interface [XPD2 Eqs. 10-14]. Elements that the lattice of the patch does not
-/// divide stay. Alike on every rank, in the order of natural numbers. Collective.
+/// divide stay, and those next to a patch of another lattice. Alike on every rank, in the order of natural numbers.
+/// Collective.
 /// @param reaches one per patch
-std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches);
+/// @param spare_held leaves elements with a held node: particles under a held side are not where the side is, and would
+/// be moved there at once
+std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches, bool spare_held);
+
+/// Can any element become particles? Collective.
+bool can_expand(const SceneView& scene);
 
 /// The change that gives the cells with their middle in a box the other use: elements that the first patch's lattice
-/// divides become particles where none of the box is, else particles become elements. A diagnostic. Collective.
-LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box);
+/// divides become particles where none of the box is, else particles become elements; nothing where no patch would
+/// stay. A diagnostic. Collective.
+LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box, bool spare_held);
 } // namespace pdx::adapt

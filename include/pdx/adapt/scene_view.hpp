@@ -16,5 +16,6 @@ struct SceneView {
   const couple::CarriedBonds<2>* carried; ///< null without an interface
   const field::RowHalo& halo;
   std::span<const pd::Particle> particles; ///< owned, in order of rows
+  std::span<const std::uint8_t> held;      ///< per owned component: does a condition hold it?
 };
 } // namespace pdx::adapt

@@ -6,6 +6,8 @@
 #include "pdx/field/state.hpp"
 #include "pdx/solve/time_driver.hpp"
 
+#include <set>
+
 namespace pdx::app {
 /// What a CrackWatch has seen, by names of particles.
 struct NamedCracks {
@@ -57,8 +59,8 @@ struct Misfit {
 /// The way of a state to a scene, which may have other ranks and another layout. All methods are collective.
 class StateMove {
 public:
-  /// Both must outlive this.
-  StateMove(const NamedState& state, const Standing& scene);
+  /// Both must outlive this. @param changed the layout is not the one of the state
+  StateMove(const NamedState& state, const Standing& scene, bool changed = false);
   const Misfit& misfit() const { return misfit_; } ///< nothing below may be asked for what does not fit
 
   /// Values of the scene's rows. @param values of the state's rows x components
@@ -78,9 +80,11 @@ private:
   Misfit misfit_of() const;
   void break_joined() const;
   std::vector<std::uint64_t> broken_carried() const;
+  std::set<std::uint64_t> parted_bonds() const;
 
   const NamedState& state_;
   Standing scene_;
+  bool changed_;
   SceneNames names_;
   field::RowMove rows_, particles_;
   Misfit misfit_;

@@ -14,10 +14,13 @@ public:
   bool follows() const { return options_.layout.adapt != Adapt::none; }
   bool renews() const { return options_.layout.renew_box.has_value(); }
   adapt::LayoutChange renewal(const adapt::SceneView& scene) const; ///< where it renews
+  /// At the start: throws UserError for lengths that cannot work, and returns what is odd, "" for nothing.
+  std::string begin(const adapt::SceneView& scene, const PatchPlan& plan) const;
   /// Where bonds broke since the last call. @param broken bonds that this rank counts, since the start
   adapt::LayoutChange look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken);
 
 private:
+  std::vector<adapt::Reaches> reaches(const adapt::SceneView& scene, const PatchPlan& plan) const;
   adapt::Reaches reaches(const couple::Surroundings& around, double horizon) const;
 
   const SceneOptions& options_;

@@ -17,8 +17,8 @@ public:
   explicit Recorder(RunFiles& files) : files_(files), options_(files.options) {}
   void built(const Standing& scene);
   /// What is booked by row goes on in another scene.
-  /// @param move from the scene before, and behind it new rows with displacement `fresh` at the last accepted load [m]
-  void take_scene(const Standing& scene, const StateMove& move, std::span<const double> fresh = {});
+  /// @param u, internal_force of its owned components at the load accepted last [m, N]
+  void take_scene(const Standing& scene, double load, std::vector<double> u, std::span<const double> internal_force);
   void accept(const solve::Step& step, Vec u, const solve::StaticDriver& driver, const Prior& prior);
   void count(const solve::StaticReport& report); ///< what it cost so far, for the summary
   void finish(const solve::StaticReport& report);

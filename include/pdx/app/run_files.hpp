@@ -52,6 +52,8 @@ public:
   void write_fields(double time, Vec u, const std::vector<double>& relative_percent = {});
   void write_summary(const char* status);
   void fail(const std::string& why);
+  /// Does what may throw UserError in the middle of a run: the summary says why it ended.
+  void told_if_refused(const std::function<void()>& act);
   /// The machine failed this rank, and perhaps the others: says so, and leaves a summary where it can. Not collective.
   void lost(const std::string& why) noexcept;
   /// Writes what a run that failed still has. Where that fails too it is a warning: the first cause counts.

@@ -27,6 +27,9 @@ struct LedgerState {
   EnergyBalance balance;
 };
 
+/// The load, and the internal force where a displacement is prescribed (reaction and load together); 0 elsewhere [N].
+std::vector<double> external_force(const field::System& system, double load, std::span<const double> internal_force);
+
 /// Energy over the accepted steps of a load path that starts at rest without load.
 class EnergyLedger {
 public:
