@@ -75,7 +75,7 @@ bool same_lattice(const geom::Lattice<2>& lattice, const Vector<2>& x, double sp
 }
 
 /// Those of all ranks, by natural number.
-std::vector<LayoutChange::Cover> gathered(MPI_Comm comm, std::vector<Found> mine)
+std::vector<LayoutChange::Cover> gathered(MPI_Comm comm, const std::vector<Found>& mine)
 {
   std::vector<Found> all = gather_all(comm, mine);
   std::ranges::sort(all, {}, &Found::cell);
@@ -179,7 +179,7 @@ std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<con
     }
     if (first < scene.around.size()) mine.push_back(found(mesh, c, box, scene.around[first].shape().lattice));
   }
-  return apart(gathered(mesh.comm(), std::move(mine)));
+  return apart(gathered(mesh.comm(), mine));
 }
 
 LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box, bool spare_held)
@@ -203,8 +203,8 @@ LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box, bool spa
       elements.push_back(found(mesh, c, cell, lattice));
   }
   LayoutChange change;
-  for (const auto& [where, spacing] : gathered(mesh.comm(), std::move(covered))) change.uncover.push_back(where);
-  if (change.uncover.empty()) change.cover = gathered(mesh.comm(), std::move(elements));
+  for (const auto& [where, spacing] : gathered(mesh.comm(), covered)) change.uncover.push_back(where);
+  if (change.uncover.empty()) change.cover = gathered(mesh.comm(), elements);
   return change;
 }
 } // namespace pdx::adapt

@@ -112,9 +112,11 @@ void add_rows(NamedState& state, const adapt::FreshRows& fresh)
     if (name.kind() == field::RowName::Kind::particle) state.particles.push_back(name);
   state.gone.resize(state.particles.size() * static_cast<std::size_t>(state.words_per_particle), 0);
   if (state.cracks) state.cracks->damage.resize(state.particles.size(), -1.0);
-  std::vector<double>* const moving[] = {&state.moving.u, &state.moving.v};
-  for (std::size_t f = 0; f < fresh.fields.size(); ++f)
-    moving[f]->insert(moving[f]->end(), fresh.fields[f].begin(), fresh.fields[f].end());
+  const auto append = [&fresh](std::vector<double>& to, std::size_t field) {
+    if (field < fresh.fields.size()) to.insert(to.end(), fresh.fields[field].begin(), fresh.fields[field].end());
+  };
+  append(state.moving.u, 0);
+  append(state.moving.v, 1);
   for (std::vector<double>* later : {&state.moving.a, &state.moving.held}) later->resize(state.moving.u.size(), 0.0);
 }
 
@@ -190,8 +192,9 @@ void StateMove::break_bonds() const
       bonds.set_gone(p, words.carry(state_.gone, width));
     }
   });
-  if (scene_.d && scene_.plan && state_.carried) break_joined();
-  if (scene_.d && scene_.d->carried) scene_.d->carried->set_broken(broken_carried());
+  if (!scene_.d || !scene_.plan) return;
+  if (state_.carried) break_joined();
+  if (scene_.d->carried) scene_.d->carried->set_broken(broken_carried());
 }
 
 /// Bonds that left their patch when they broke, and lie in it now.
