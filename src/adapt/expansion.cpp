@@ -1,6 +1,7 @@
 #include "pdx/adapt/expansion.hpp"
 
 #include "pdx/base/gather.hpp"
+#include "pdx/geom/box_cover.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 
 #include <algorithm>
@@ -60,20 +61,6 @@ Found found(const mesh::Mesh& mesh, Index cell, const geom::Box<2>& box, const g
   return {mesh.natural_cell(cell), {box.lower[0], box.lower[1], box.upper[0], box.upper[1]}, lattice.dx};
 }
 
-bool touch(const geom::Box<2>& a, const geom::Box<2>& b)
-{
-  const double near = kFits * a.size().minCoeff();
-  return (a.lower.array() <= b.upper.array() + near).all() && (b.lower.array() <= a.upper.array() + near).all();
-}
-
-/// Is x a corner of its cells, and are they as wide?
-bool same_lattice(const geom::Lattice<2>& lattice, const Vector<2>& x, double spacing)
-{
-  const Vector<2> lines = (x - lattice.origin) / lattice.dx;
-  return std::abs(lattice.dx - spacing) < kFits * spacing &&
-         ((lines.array() - lines.array().round()).abs() < 1e-3).all();
-}
-
 /// Those of all ranks, by natural number.
 std::vector<LayoutChange::Cover> gathered(MPI_Comm comm, const std::vector<Found>& mine)
 {
@@ -84,13 +71,15 @@ std::vector<LayoutChange::Cover> gathered(MPI_Comm comm, const std::vector<Found
   return covers;
 }
 
+bool meet(const geom::Box<2>& a, const geom::Box<2>& b) { return geom::touch(a, b, kFits * a.size().minCoeff()); }
+
 /// Would a patch of another lattice share a side or a corner with a box?
-bool meets_another(const SceneView& scene, const geom::Box<2>& box, const geom::Lattice<2>& lattice)
+bool meets_another(const SceneView& scene, const geom::Box<2>& box, const geom::LatticeAnchor& lattice)
 {
   return std::ranges::any_of(scene.around, [&](const couple::Surroundings& around) {
     const couple::PatchShape& shape = around.shape();
-    return !same_lattice(shape.lattice, lattice.origin, lattice.dx) &&
-           std::ranges::any_of(shape.boxes, [&](const geom::Box<2>& other) { return touch(box, other); });
+    return !geom::same_lattice(anchor_of(shape.lattice), lattice) &&
+           std::ranges::any_of(shape.boxes, [&](const geom::Box<2>& other) { return meet(box, other); });
   });
 }
 
@@ -100,8 +89,7 @@ std::vector<LayoutChange::Cover> apart(const std::vector<LayoutChange::Cover>& c
   std::vector<LayoutChange::Cover> kept;
   for (const LayoutChange::Cover& cover : covers) {
     const auto strange = [&](const LayoutChange::Cover& other) {
-      const geom::Lattice<2> lattice{other.box.lower, other.spacing, {1, 1}};
-      return touch(cover.box, other.box) && !same_lattice(lattice, cover.box.lower, cover.spacing);
+      return meet(cover.box, other.box) && !geom::same_lattice(cover.lattice(), other.lattice());
     };
     if (std::ranges::none_of(kept, strange)) kept.push_back(cover);
   }
@@ -116,6 +104,7 @@ bool is_whole(const SceneView& scene, Index cell)
   const crack::CrackSet& cracks = scene.sets->cracks();
   return !cracks.cuts(x[0], x[2]) && !cracks.cuts(x[1], x[3]);
 }
+
 /// Which cells some node of is held. Collective.
 class HeldCells {
 public:
@@ -175,7 +164,7 @@ std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<con
       if (patch >= first || !box.contains(at, far)) continue;
       if (std::ranges::none_of(corners, [&](const Vector<2>& x) { return (x - at).norm() < far; })) continue;
       const geom::Lattice<2>& lattice = scene.around[patch].shape().lattice;
-      if (is_divided(corners, box, lattice) && !meets_another(scene, box, lattice)) first = patch;
+      if (is_divided(corners, box, lattice) && !meets_another(scene, box, anchor_of(lattice))) first = patch;
     }
     if (first < scene.around.size()) mine.push_back(found(mesh, c, box, scene.around[first].shape().lattice));
   }
@@ -199,7 +188,7 @@ LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box, bool spa
     if (mesh.use(c) == mesh::Use::covered && is_whole(scene, c))
       covered.push_back(found(mesh, c, cell, lattice));
     else if (mesh.use(c) != mesh::Use::covered && is_divided(mesh.corners(c), cell, lattice) &&
-             !meets_another(scene, cell, lattice))
+             !meets_another(scene, cell, anchor_of(lattice)))
       elements.push_back(found(mesh, c, cell, lattice));
   }
   LayoutChange change;

@@ -1,5 +1,7 @@
 #include "joined_boxes.hpp"
 
+#include "pdx/geom/box_cover.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -10,12 +12,6 @@ namespace {
 constexpr std::int64_t kMargin = 64;     // sites around the body that bonds may reach [-]
 constexpr double kMostNames = 1LL << 50; // bond names have 64 bits, arms and parts take 13
 constexpr int kFinest = 10;              // shares of a spacing that are tried
-
-bool touch(const geom::Box<2>& a, const geom::Box<2>& b)
-{
-  const double near = 1e-9 * a.size().norm();
-  return (a.lower.array() <= b.upper.array() + near).all() && (b.lower.array() <= a.upper.array() + near).all();
-}
 
 bool same(double a, double b) { return std::abs(a - b) <= kFits * a; }
 
@@ -57,7 +53,7 @@ std::vector<std::vector<std::size_t>> patches_of_boxes(const SceneOptions& optio
   for (std::size_t p = 0; p < boxes.size(); ++p) (void)lattice_in<2>(boxes[p], options.pd.spacing_of(p));
   for (std::size_t p = 0; p < boxes.size(); ++p)
     for (std::size_t q = p + 1; q < boxes.size(); ++q) {
-      if (!touch(boxes[p], boxes[q])) continue;
+      if (!geom::touch(boxes[p], boxes[q], 1e-9 * boxes[p].size().norm())) continue;
       require_one_lattice(options, p, q);
       const auto [low, high] = std::minmax(root[p], root[q]);
       std::ranges::replace(root, high, low);
@@ -97,25 +93,21 @@ couple::PatchShape join_boxes(const SceneOptions& options, std::span<const std::
   return shape;
 }
 
-void name_sites(std::span<couple::PatchShape> shapes, geom::Box<2> body, std::span<const PdOptions::Anchor> anchors)
+void name_sites(std::span<couple::PatchShape> shapes, geom::Box<2> body, std::span<const geom::LatticeAnchor> anchors)
 {
   for (const couple::PatchShape& shape : shapes) { // layers of held particles lie outside
     body.lower = body.lower.cwiseMin(shape.box.lower);
     body.upper = body.upper.cwiseMax(shape.box.upper);
   }
-  std::vector<PdOptions::Anchor> lattices;
-  const auto number = [&lattices](const PdOptions::Anchor& of) {
-    const auto one = [&of](const PdOptions::Anchor& other) {
-      const Vector<2> away = spacings(other.corner, of.corner, of.spacing);
-      return same(other.spacing, of.spacing) && std::abs(fraction(away[0])) < 1e-3 &&
-             std::abs(fraction(away[1])) < 1e-3;
-    };
-    const auto known = std::ranges::find_if(lattices, one);
+  std::vector<geom::LatticeAnchor> lattices;
+  const auto number = [&lattices](const geom::LatticeAnchor& of) {
+    const auto known =
+        std::ranges::find_if(lattices, [&of](const auto& other) { return geom::same_lattice(of, other); });
     const auto place = known - lattices.begin();
     if (known == lattices.end()) lattices.push_back(of);
     return place;
   };
-  for (const PdOptions::Anchor& anchor : anchors) (void)number(anchor);
+  for (const geom::LatticeAnchor& anchor : anchors) (void)number(anchor);
   for (couple::PatchShape& shape : shapes) {
     const double dx = shape.lattice.dx;
     shape.names.lattice = number({shape.lattice.origin, dx});

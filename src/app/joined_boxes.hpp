@@ -14,5 +14,5 @@ couple::PatchShape join_boxes(const SceneOptions& options, std::span<const std::
 
 /// Numbers all sites of the body, and a margin around it, by lattice: patches of one spacing and phase show pieces of
 /// one lattice. Lattices have the order of `anchors`, or of the patches where there are none.
-void name_sites(std::span<couple::PatchShape> shapes, geom::Box<2> body, std::span<const PdOptions::Anchor> anchors);
+void name_sites(std::span<couple::PatchShape> shapes, geom::Box<2> body, std::span<const geom::LatticeAnchor> anchors);
 } // namespace pdx::app

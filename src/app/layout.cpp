@@ -55,12 +55,13 @@ SceneOptions Layout::in(SceneOptions options) const
 
 Layout Layout::changed(const adapt::LayoutChange& change) const
 {
-  std::vector<double> spacings; // of the lattices, in order of patches
+  std::vector<geom::LatticeAnchor> lattices; // in order of patches
   std::vector<std::vector<geom::Box<2>>> boxes;
-  const auto of = [&](double dx) -> std::vector<geom::Box<2>>& {
-    const auto known = std::ranges::find(spacings, dx);
-    if (known != spacings.end()) return boxes[static_cast<std::size_t>(known - spacings.begin())];
-    spacings.push_back(dx);
+  const auto of = [&](const geom::LatticeAnchor& lattice) -> std::vector<geom::Box<2>>& {
+    const auto known =
+        std::ranges::find_if(lattices, [&](const auto& other) { return geom::same_lattice(lattice, other); });
+    if (known != lattices.end()) return boxes[static_cast<std::size_t>(known - lattices.begin())];
+    lattices.push_back(lattice);
     return boxes.emplace_back();
   };
   for (std::size_t p = 0; p < patches.size(); ++p) {
@@ -71,15 +72,15 @@ Layout Layout::changed(const adapt::LayoutChange& change) const
         for (const geom::Box<2>& piece : geom::without(box, hole, kSameSide * spacing[p])) rest.push_back(piece);
       left = std::move(rest);
     }
-    auto& all = of(spacing[p]);
+    auto& all = of({patches[p].lower, spacing[p]});
     all.insert(all.end(), left.begin(), left.end());
   }
-  for (const auto& [box, dx] : change.cover) of(dx).push_back(box);
+  for (const auto& [box, dx] : change.cover) of({box.lower, dx}).push_back(box);
   Layout next{{}, {}, cracks, anchors};
   for (std::size_t k = 0; k < boxes.size(); ++k)
-    for (const geom::Box<2>& box : geom::joined(std::move(boxes[k]), kSameSide * spacings[k])) {
+    for (const geom::Box<2>& box : geom::joined(std::move(boxes[k]), kSameSide * lattices[k].spacing)) {
       next.patches.push_back(box);
-      next.spacing.push_back(spacings[k]);
+      next.spacing.push_back(lattices[k].spacing);
     }
   return next;
 }

@@ -1,8 +1,19 @@
 #include "pdx/geom/box_cover.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pdx::geom {
+bool touch(const Box<2>& a, const Box<2>& b, double near)
+{
+  return (a.lower.array() <= b.upper.array() + near).all() && (b.lower.array() <= a.upper.array() + near).all();
+}
+
+bool hold(std::span<const Box<2>> boxes, const Vector<2>& x)
+{
+  return std::ranges::any_of(boxes, [&x](const Box<2>& box) { return box.contains(x, 1e-6 * box.size().minCoeff()); });
+}
+
 std::vector<Box<2>> without(const Box<2>& box, const Box<2>& hole, double near)
 {
   const Box<2> in{box.lower.cwiseMax(hole.lower), box.upper.cwiseMin(hole.upper)};

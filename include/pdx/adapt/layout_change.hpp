@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/geom/box.hpp"
+#include "pdx/geom/same_lattice.hpp"
 
 #include <vector>
 
@@ -10,6 +11,7 @@ struct LayoutChange {
   struct Cover {
     geom::Box<2> box;     ///< [m]
     double spacing = 0.0; ///< of the particles [m]
+    geom::LatticeAnchor lattice() const { return {box.lower, spacing}; }
   };
   std::vector<Cover> cover;
   std::vector<geom::Box<2>> uncover; ///< [m]

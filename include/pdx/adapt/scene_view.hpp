@@ -1,10 +1,13 @@
 #pragma once
 #include "pdx/couple/fracture.hpp"
 #include "pdx/couple/surroundings.hpp"
+#include "pdx/geom/same_lattice.hpp"
 #include "pdx/pd/particles.hpp"
 
 namespace pdx::adapt {
 inline constexpr double kBroken = 1e-9; ///< of damage: less is rounding [-]
+
+inline geom::LatticeAnchor anchor_of(const geom::Lattice<2>& lattice) { return {lattice.origin, lattice.dx}; }
 
 /// What of a scene is looked at to move its patches; lent for one call.
 struct SceneView {

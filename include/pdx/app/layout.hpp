@@ -10,7 +10,7 @@ struct Layout {
   std::vector<geom::Box<2>> patches; ///< boxes of particles; none where all of the body is one patch [m]
   std::vector<double> spacing;       ///< of each [m]
   std::vector<crack::Polyline> cracks;
-  std::vector<PdOptions::Anchor> anchors; ///< of the patches that were given: sites are named by them
+  std::vector<geom::LatticeAnchor> anchors; ///< of the patches that were given: sites are named by them
 
   /// That of the options, settled.
   static Layout given(const SceneOptions& options);

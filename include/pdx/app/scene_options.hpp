@@ -5,6 +5,7 @@
 #include "pdx/couple/schemes.hpp"
 #include "pdx/fem/element.hpp"
 #include "pdx/geom/frame.hpp"
+#include "pdx/geom/same_lattice.hpp"
 #include "pdx/law/elastic.hpp"
 #include "pdx/mesh/build.hpp"
 #include "pdx/pd/stencil.hpp"
@@ -44,11 +45,8 @@ struct PdOptions {
   std::string cloud;                 ///< file of particles that lie anywhere; they stand alone
   double horizon = 0.0;              ///< of a cloud [m]
   std::vector<double> spacing;       ///< one, or one per patch [m]
-  struct Anchor {
-    Vector<2> corner;     ///< of a cell of the lattice [m]
-    double spacing = 0.0; ///< [m]
-  };
-  std::vector<Anchor> anchors; ///< lattices of the patches that were given, twice or more is once; none: of `patches`
+  std::vector<geom::LatticeAnchor>
+      anchors; ///< lattices of the patches that were given, twice or more is once; none: of `patches`
   double horizon_ratio = 4.0;
   law::Micromodulus micromodulus = law::Micromodulus::conical;
   pd::Calibration calibration = pd::Calibration::lattice;

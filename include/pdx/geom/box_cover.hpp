@@ -1,9 +1,16 @@
 #pragma once
 #include "pdx/geom/box.hpp"
 
+#include <span>
 #include <vector>
 
 namespace pdx::geom {
+/// Do two boxes overlap, or share a side or a corner, to `near` [m]?
+bool touch(const Box<2>& a, const Box<2>& b, double near);
+
+/// Does one of the boxes hold x, a border included to a millionth of its smaller side?
+bool hold(std::span<const Box<2>> boxes, const Vector<2>& x);
+
 /// What of a box lies outside another: at most four boxes. What is no wider than `near` [m] is nothing.
 std::vector<Box<2>> without(const Box<2>& box, const Box<2>& hole, double near);
 
