@@ -1,5 +1,6 @@
 #include "pdx/adapt/fill.hpp"
 #include "pdx/adapt/vertex_sums.hpp"
+#include "pdx/geom/box_cover.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -8,12 +9,11 @@
 namespace pdx::adapt {
 namespace {
 constexpr double kEnough = 1e-7;     // smallest over largest eigenvalue of equations that say enough
-constexpr double kOnBorder = 1e-6;   // of the side of a box
 constexpr Eigen::Index kSquares = 6; // terms of a quadratic
 constexpr std::size_t kEntries = 36; // of its matrix
 using Square = Eigen::Matrix<double, kSquares, 1>;
 using Matrix = Eigen::Matrix<double, kSquares, kSquares>;
-using Sides = Eigen::Matrix<double, kSquares, Eigen::Dynamic>;
+using SixSides = Eigen::Matrix<double, kSquares, Eigen::Dynamic>;
 
 /// Of a distance in units of the radius.
 double weight_at(double q) { return q < 1.0 ? (1.0 - q) * (1.0 - q) * (1.0 + 2.0 * q) : 0.0; }
@@ -29,7 +29,7 @@ double longest_side(const std::array<Vector<2>, 4>& corners)
 Eigen::RowVectorXd value_at_vertex(const double* sums, Eigen::Index sides)
 {
   const Eigen::Map<const Matrix> matrix(sums);
-  const Eigen::Map<const Sides> right(sums + kEntries, kSquares, sides);
+  const Eigen::Map<const SixSides> right(sums + kEntries, kSquares, sides);
   for (const Eigen::Index terms : {Eigen::Index{6}, Eigen::Index{3}}) {
     const Eigen::MatrixXd part = matrix.topLeftCorner(terms, terms);
     const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(part).eigenvalues();
@@ -46,10 +46,7 @@ FreshRows fill_nodes(const SceneView& scene, std::span<const geom::Box<2>> uncov
   const mesh::Mesh& mesh = scene.mesh;
   const auto sides = static_cast<Eigen::Index>(2 * fields.size());
   VertexSums sums(mesh, kEntries + static_cast<std::size_t>(kSquares * sides), [&](Index v) {
-    const auto holds = [&](const geom::Box<2>& box) {
-      return box.contains(mesh.point(v), kOnBorder * box.size().minCoeff());
-    };
-    return scene.node_rows[static_cast<std::size_t>(v)] < 0 && std::ranges::any_of(uncovered, holds);
+    return scene.node_rows[static_cast<std::size_t>(v)] < 0 && geom::hold(uncovered, mesh.point(v));
   });
   const auto first = static_cast<std::size_t>(scene.halo.rows().first_particle());
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
@@ -62,7 +59,7 @@ FreshRows fill_nodes(const SceneView& scene, std::span<const geom::Box<2>> uncov
       const Square terms{1.0, d[0], d[1], 0.5 * d[0] * d[0], d[0] * d[1], 0.5 * d[1] * d[1]};
       double* to = sums.at(v);
       Eigen::Map<Matrix>{to} += weight * terms * terms.transpose();
-      Eigen::Map<Sides> right(to + kEntries, kSquares, sides);
+      Eigen::Map<SixSides> right(to + kEntries, kSquares, sides);
       for (Eigen::Index s = 0; s < sides; ++s)
         right.col(s) +=
             weight * fields[static_cast<std::size_t>(s / 2)][2 * (first + k) + static_cast<std::size_t>(s % 2)] * terms;
@@ -79,6 +76,18 @@ FreshRows fill_nodes(const SceneView& scene, std::span<const geom::Box<2>> uncov
     for (std::size_t f = 0; f < fields.size(); ++f)
       for (Eigen::Index d = 0; d < 2; ++d) fresh.fields[f].push_back(value[static_cast<Eigen::Index>(2 * f) + d]);
   }
+  return fresh;
+}
+
+FreshRows fill(const SceneView& scene, const LayoutChange& change, std::span<const std::span<const double>> fields)
+{
+  FreshRows fresh = change.cover.empty() ? FreshRows{{}, std::vector<std::vector<double>>(fields.size())}
+                                         : fill_particles(scene, change.cover, fields);
+  if (change.uncover.empty()) return fresh;
+  const FreshRows nodes = fill_nodes(scene, change.uncover, fields);
+  fresh.names.insert(fresh.names.end(), nodes.names.begin(), nodes.names.end());
+  for (std::size_t f = 0; f < fields.size(); ++f)
+    fresh.fields[f].insert(fresh.fields[f].end(), nodes.fields[f].begin(), nodes.fields[f].end());
   return fresh;
 }
 } // namespace pdx::adapt

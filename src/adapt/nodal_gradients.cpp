@@ -1,8 +1,5 @@
 #include "pdx/adapt/nodal_gradients.hpp"
 
-#include "pdx/adapt/vertex_sums.hpp"
-#include "pdx/mesh/vertex_halo.hpp"
-
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
@@ -14,18 +11,19 @@ constexpr Eigen::Index kTerms = 5;  // of a quadratic without its constant
 constexpr std::size_t kMatrix = 25; // entries
 using Terms = Eigen::Matrix<double, kTerms, 1>;
 using Normal = Eigen::Matrix<double, kTerms, kTerms>;
+using Sides = Eigen::Matrix<double, kTerms, Eigen::Dynamic>;
 
 Terms terms_of(const Vector<2>& d) { return {d[0], d[1], 0.5 * d[0] * d[0], d[0] * d[1], 0.5 * d[1] * d[1]}; }
 
-/// Normal equations of each vertex, this rank's share: matrix, right sides, and damaged particles.
+/// What a vertex has of its equations, by the number of right sides: matrix, right sides, and damaged particles.
+constexpr std::size_t width_of(std::size_t sides) { return kMatrix + kTerms * sides + 1; }
+
+/// Writes this rank's share of the equations, and solves them.
 class Equations {
 public:
-  Equations(const SceneView& scene, const std::function<bool(const Vector<2>&)>& wanted,
-            std::span<const std::span<const double>> fields)
-      : scene_(scene), fields_(fields), sides_(2 * fields.size()), width_(kMatrix + kTerms * sides_ + 1),
-        scale_(scene.around.front().shortest_edge()), sums_(scene.mesh, width_, [&](Index v) {
-          return scene.node_rows[static_cast<std::size_t>(v)] >= 0 && wanted(scene.mesh.point(v));
-        })
+  Equations(const SceneView& scene, std::span<const std::span<const double>> fields, VertexSums& sums)
+      : scene_(scene), fields_(fields), sides_(2 * fields.size()), scale_(scene.around.front().shortest_edge()),
+        sums_(sums)
   {}
 
   void add_nodes()
@@ -36,7 +34,7 @@ public:
       const auto& cell = mesh.cell(c);
       for (const Index a : cell)
         for (const Index b : cell)
-          if (a != b && is_wanted(a)) add(a, {mesh.point(b), row_of(b), 1.0});
+          if (a != b && sums_.wanted(a)) add(a, {mesh.point(b), row_of(b), 1.0});
     }
   }
 
@@ -48,29 +46,26 @@ public:
       const pd::Particle& p = scene_.particles[k];
       const double dx = scene_.around[static_cast<std::size_t>(p.patch)].shape().lattice.dx;
       for (const Index a : scene_.mesh.cell(p.cell)) {
-        if (!is_wanted(a)) continue;
+        if (!sums_.wanted(a)) continue;
         const double h = size_of(p.cell);
         if (all.damage[k] > kBroken)
-          sums_.at(a)[width_ - 1] += 1.0;
+          sums_.at(a)[width_of(sides_) - 1] += 1.0;
         else
           add(a, {p.x, static_cast<std::size_t>(first) + k, 3.0 * dx * dx / (h * h)});
       }
     }
   }
 
-  void sum_up() { sums_.sum_up(); } ///< Collective.
-  bool is_wanted(Index vertex) const { return sums_.wanted(vertex); }
-
-  /// Gradients of all fields at a vertex, NaN for none.
-  void solve(Index vertex, double* gradients) const
+  /// Gradients of all fields at a vertex take the place of its equations, NaN for none.
+  void solve(Index vertex)
   {
-    const double* sums = sums_.at(vertex);
-    const Eigen::Map<const Normal> matrix(sums);
-    const Eigen::Map<const Eigen::Matrix<double, kTerms, Eigen::Dynamic>> sides(sums + kMatrix, kTerms,
-                                                                                static_cast<Eigen::Index>(sides_));
-    Eigen::Map<Eigen::Matrix<double, 2, Eigen::Dynamic>> result(gradients, 2, static_cast<Eigen::Index>(sides_));
+    double* sums = sums_.at(vertex);
+    const Normal matrix = Eigen::Map<const Normal>(sums);
+    const Sides sides = Eigen::Map<const Sides>(sums + kMatrix, kTerms, static_cast<Eigen::Index>(sides_));
+    const bool damaged = sums[width_of(sides_) - 1] > 0.0;
+    Eigen::Map<Eigen::Matrix<double, 2, Eigen::Dynamic>> result(sums, 2, static_cast<Eigen::Index>(sides_));
     result.setConstant(std::numeric_limits<double>::quiet_NaN());
-    if (sums[width_ - 1] > 0.0) return;
+    if (damaged) return;
     if (const Eigen::SelfAdjointEigenSolver<Normal> all(matrix); says_enough(all.eigenvalues()))
       result = matrix.ldlt().solve(sides).topRows<2>() / scale_;
     else if (const Eigen::Matrix2d plane = matrix.topLeftCorner<2, 2>();
@@ -105,8 +100,7 @@ private:
     const Terms terms = terms_of((neighbour.x - x) / scale_);
     double* sums = sums_.at(vertex);
     Eigen::Map<Normal>{sums} += neighbour.weight * terms * terms.transpose();
-    Eigen::Map<Eigen::Matrix<double, kTerms, Eigen::Dynamic>> sides(sums + kMatrix, kTerms,
-                                                                    static_cast<Eigen::Index>(sides_));
+    Eigen::Map<Sides> sides(sums + kMatrix, kTerms, static_cast<Eigen::Index>(sides_));
     const std::size_t own = row_of(vertex);
     for (std::size_t f = 0; f < fields_.size(); ++f)
       for (std::size_t d = 0; d < 2; ++d)
@@ -116,29 +110,28 @@ private:
 
   const SceneView& scene_;
   std::span<const std::span<const double>> fields_;
-  std::size_t sides_, width_;
+  std::size_t sides_;
   double scale_; // of distances, so that equations are well scaled [m]
-  VertexSums sums_;
+  VertexSums& sums_;
 };
 } // namespace
 
-NodalGradients::NodalGradients(const SceneView& scene, const std::function<bool(const Vector<2>&)>& wanted,
+NodalGradients::NodalGradients(const SceneView& scene, const std::function<bool(Index)>& wanted,
                                std::span<const std::span<const double>> fields)
-    : width_(4 * fields.size()),
-      values_(width_ * static_cast<std::size_t>(scene.mesh.vertices()), std::numeric_limits<double>::quiet_NaN())
+    : sums_(scene.mesh, width_of(2 * fields.size()),
+            [&](Index v) { return scene.node_rows[static_cast<std::size_t>(v)] >= 0 && wanted(v); })
 {
-  Equations equations(scene, wanted, fields);
+  Equations equations(scene, fields, sums_);
   equations.add_nodes();
   equations.add_particles();
-  equations.sum_up();
-  for (Index v = 0; v < scene.mesh.owned_vertices(); ++v)
-    if (equations.is_wanted(v)) equations.solve(v, values_.data() + static_cast<std::size_t>(v) * width_);
-  mesh::fill_halo(scene.mesh, MPI_DOUBLE, static_cast<int>(width_), values_.data());
+  sums_.sum_up();
+  for (Index v = 0; v < scene.mesh.vertices(); ++v)
+    if (sums_.wanted(v)) equations.solve(v);
 }
 
 std::optional<Tensor<2>> NodalGradients::at(Index vertex, std::size_t field) const
 {
-  const double* g = values_.data() + static_cast<std::size_t>(vertex) * width_ + 4 * field;
+  const double* g = sums_.at(vertex) + 4 * field;
   if (std::isnan(g[0])) return std::nullopt;
   return Tensor<2>{{g[0], g[1]}, {g[2], g[3]}};
 }

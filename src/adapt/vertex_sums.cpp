@@ -1,8 +1,9 @@
 #include "pdx/adapt/vertex_sums.hpp"
 
-#include "pdx/base/block_type.hpp"
+#include "pdx/base/gather.hpp"
 
 #include <algorithm>
+#include <unordered_map>
 
 namespace pdx::adapt {
 VertexSums::VertexSums(const mesh::Mesh& mesh, std::size_t width, const std::function<bool(Index)>& wanted)
@@ -14,21 +15,27 @@ VertexSums::VertexSums(const mesh::Mesh& mesh, std::size_t width, const std::fun
   sums_.assign(static_cast<std::size_t>(count) * width, 0.0);
 }
 
+/// A list of what is near a change, not of the mesh.
 void VertexSums::sum_up()
 {
-  if (!mesh_.vertex_sf()) return;
-  std::vector<double> from(place_.size() * width_, 0.0);
-  const auto copy_all = [&](auto&& copy) {
-    for (std::size_t v = 0; v < place_.size(); ++v)
-      if (place_[v] >= 0) copy(sums_.data() + static_cast<std::size_t>(place_[v]) * width_, v * width_);
-  };
-  copy_all([&](const double* sums, std::size_t to) {
-    std::copy_n(sums, width_, from.begin() + static_cast<std::ptrdiff_t>(to));
-  });
-  std::vector<double> all = from;
-  const MPI_Datatype type = block_type(static_cast<int>(width_));
-  PDX_CALL(PetscSFReduceBegin(mesh_.vertex_sf(), type, from.data(), all.data(), MPI_SUM));
-  PDX_CALL(PetscSFReduceEnd(mesh_.vertex_sf(), type, from.data(), all.data(), MPI_SUM));
-  copy_all([&](double* sums, std::size_t to) { std::copy_n(all.data() + to, width_, sums); });
+  int ranks = 1;
+  MPI_Comm_size(mesh_.comm(), &ranks);
+  if (ranks == 1) return;
+  std::vector<double> mine; // natural number, sums
+  std::unordered_map<Index, Index> vertex_of;
+  for (Index v = 0; v < mesh_.vertices(); ++v) {
+    if (!wanted(v)) continue;
+    vertex_of[mesh_.natural_vertex(v)] = v;
+    mine.push_back(mesh_.natural_vertex(v));
+    mine.insert(mine.end(), at(v), at(v) + width_);
+  }
+  const std::vector<double> all = gather_all(mesh_.comm(), mine);
+  std::ranges::fill(sums_, 0.0);
+  for (std::size_t k = 0; k < all.size(); k += width_ + 1) {
+    const auto here = vertex_of.find(static_cast<Index>(all[k]));
+    if (here == vertex_of.end()) continue;
+    double* to = at(here->second);
+    for (std::size_t i = 0; i < width_; ++i) to[i] += all[k + 1 + i];
+  }
 }
 } // namespace pdx::adapt

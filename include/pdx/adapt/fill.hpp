@@ -21,4 +21,7 @@ FreshRows fill_particles(const SceneView& scene, std::span<const LayoutChange::C
 /// Collective.
 FreshRows fill_nodes(const SceneView& scene, std::span<const geom::Box<2>> uncovered,
                      std::span<const std::span<const double>> fields);
+
+/// All rows that a change makes. Collective.
+FreshRows fill(const SceneView& scene, const LayoutChange& change, std::span<const std::span<const double>> fields);
 } // namespace pdx::adapt

@@ -1,7 +1,6 @@
 #pragma once
 #include "pdx/adapt/scene_view.hpp"
-
-#include <functional>
+#include "pdx/adapt/vertex_sums.hpp"
 
 namespace pdx::adapt {
 /// Gradients of fields at mesh vertices: of the quadratic through the vertex that fits best, by least squares, the
@@ -10,14 +9,13 @@ class NodalGradients {
 public:
   /// @param wanted says whether a vertex with a row is of interest, alike on every rank
   /// @param fields local blocks [owned | halo] of two components each. Collective.
-  NodalGradients(const SceneView& scene, const std::function<bool(const Vector<2>&)>& wanted,
+  NodalGradients(const SceneView& scene, const std::function<bool(Index vertex)>& wanted,
                  std::span<const std::span<const double>> fields);
   /// d f_i / d x_j of a field at a local vertex that was wanted, none where damaged particles or too few neighbours
   /// are.
   std::optional<Tensor<2>> at(Index vertex, std::size_t field) const;
 
 private:
-  std::size_t width_; // of a vertex
-  std::vector<double> values_;
+  VertexSums sums_; // the equations of each vertex; once solved, the gradients stand first
 };
 } // namespace pdx::adapt

@@ -12,7 +12,7 @@ public:
   bool wanted(Index vertex) const { return place_[static_cast<std::size_t>(vertex)] >= 0; }
   double* at(Index vertex) { return sums_.data() + place(vertex); }
   const double* at(Index vertex) const { return sums_.data() + place(vertex); }
-  /// Owners have the sums of all ranks then. Collective.
+  /// Every rank that has a vertex has the sums of all ranks then, alike to the last bit. Collective.
   void sum_up();
 
 private:
