@@ -107,8 +107,7 @@ private:
     std::vector<double> v;
     driver_->moving().system.halo->fetch(driver_->v(), driver_->moving().system.rows.dim, v);
     const std::span<const double> fields[] = {driver_->local(), v};
-    if (!change_.cover.empty()) add_rows(state, adapt::fill_particles(scene_->view(), change_.cover, fields));
-    if (!change_.uncover.empty()) add_rows(state, adapt::fill_nodes(scene_->view(), change_.uncover, fields));
+    add_rows(state, adapt::fill(scene_->view(), change_, fields));
   }
 
   /// Rows that are new share out what the change took of the momentum, as one more velocity of theirs.

@@ -126,7 +126,7 @@ private:
   {
     solve::StaticOptions steps = steps_of(files_.options, *d_, assembled_);
     if (mover_.follows())
-      steps.outgrown = [this](std::span<const double>) {
+      steps.outgrown = [this] {
         change_ = mover_.look(d_->view(ground_->mesh), ground_->plan, d_->fracture->broken());
         return !change_.empty();
       };
@@ -180,9 +180,7 @@ private:
     std::vector<double> local;
     d_->system.halo->fetch(u, now.state.dim, local);
     const std::span<const double> fields[] = {local};
-    const adapt::SceneView view = d_->view(ground_->mesh);
-    if (!change_.cover.empty()) add_rows(now.state, adapt::fill_particles(view, change_.cover, fields));
-    if (!change_.uncover.empty()) add_rows(now.state, adapt::fill_nodes(view, change_.uncover, fields));
+    add_rows(now.state, adapt::fill(d_->view(ground_->mesh), change_, fields));
     return now;
   }
 

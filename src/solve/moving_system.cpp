@@ -261,17 +261,13 @@ void MovingSystem::book()
 std::array<double, 3> MovingSystem::momentum(std::span<const double> velocity) const
 {
   const auto dim = static_cast<std::size_t>(system.rows.dim);
-  std::vector<std::uint8_t> tied(mass.size(), 0);
+  std::vector<double> inertia(velocity.size(), 0.0);
+  add_inertia(velocity, inertia);
   std::array<double, 3> sum{};
-  for (const field::Tie& t : ties_) {
-    tied[static_cast<std::size_t>(t.set)] = 1;
-    for (std::size_t d = 0; d < dim; ++d)
-      sum[d] +=
-          mass[static_cast<std::size_t>(t.set)] * (velocity[static_cast<std::size_t>(t.row) * dim + d] +
-                                                   t.factor * velocity[static_cast<std::size_t>(t.set) * dim + d]);
-  }
-  for (std::size_t row = 0; row < mass.size(); ++row)
-    for (std::size_t d = 0; d < dim && !tied[row]; ++d) sum[d] += mass[row] * velocity[row * dim + d];
+  const auto sets = static_cast<std::size_t>(system.rows.nodes),
+             particles = sets + static_cast<std::size_t>(system.rows.enriched);
+  for (std::size_t row = 0; row < mass.size(); ++row) // all rows move alike where the body does, and no set opens
+    for (std::size_t d = 0; d < dim && (row < sets || row >= particles); ++d) sum[d] += inertia[row * dim + d];
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);
   return sum;
 }

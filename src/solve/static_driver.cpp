@@ -305,7 +305,7 @@ std::string StaticDriver::equilibrium(Step& step, Vec u)
       step.changes += changes;
       return fmt::format("more than {} changes in one increment; allow more changes or halvings", options_.max_changes);
     }
-    outgrown_ = changes > 0 && options_.outgrown && options_.outgrown(local_);
+    outgrown_ = changes > 0 && options_.outgrown && options_.outgrown();
     if (outgrown_) {
       step.changes += changes;
       break;

@@ -21,7 +21,7 @@ struct StaticOptions {
   /// Asked after AfterSolves changed something, before the next solve: throws if the scene can no longer be solved.
   std::function<void()> judge = {};
   /// Asked likewise behind that: true if the layout is to change before the next solve.
-  std::function<bool(std::span<const double> local)> outgrown = {};
+  std::function<bool()> outgrown = {};
 };
 
 /// What a run cost.
