@@ -442,10 +442,9 @@ def run(case, ranks):
     return status, out, [line.replace(directory, "{dir}") for line in err.splitlines() if line.strip()]
 
 
-def run_all(cases, run=run, every=True):
-    """Runs every case on 1 rank, and on 2 as well, or else every second one: nine at a time (they mostly wait to start
-    and to stop). Yields (case, ranks, result of run)."""
-    jobs = [(case, ranks) for k, case in enumerate(cases) for ranks in (RANKS if every or k % 2 else RANKS[:1])]
+def run_all(cases, run=run):
+    """Runs every case on every number of ranks, nine at a time (they mostly wait to start and to stop); yields (case, ranks, result of run)."""
+    jobs = [(case, ranks) for case in cases for ranks in RANKS]
     with concurrent.futures.ThreadPoolExecutor(max_workers=9) as pool:
         for job, result in zip(jobs, pool.map(lambda job: run(*job), jobs)):
             yield *job, result
@@ -462,7 +461,7 @@ class ThroughTheProgram(unittest.TestCase):
                 self.assertEqual((status, lines), (0, []))
 
     def test_mistakes_end_with_status_1_and_one_line(self):
-        for case, ranks, (status, out, lines) in run_all(self.CASES, every=False):
+        for case, ranks, (status, out, lines) in run_all(self.CASES):
             with self.subTest(case=case.name, ranks=ranks):
                 self.assertIsNotNone(status, f"still running after {TIMEOUT} s; stderr: {lines}")
                 self.assertEqual(status, 1, f"stderr: {lines}")

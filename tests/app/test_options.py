@@ -191,7 +191,7 @@ def run(case, ranks):
 
 class Options(unittest.TestCase):
     def test_each_is_taken_or_refused_in_one_line(self):
-        for case, ranks, (status, out, messages) in mistakes.run_all(CASES, run, every=False):
+        for case, ranks, (status, out, messages) in mistakes.run_all(CASES, run):
             with self.subTest(case=case.name, ranks=ranks):
                 if case.pattern is None:
                     self.assertEqual((status, messages), (0, []))
