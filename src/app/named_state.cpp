@@ -91,7 +91,6 @@ NamedState what_is_owned(const Standing& scene, const SceneNames& names)
   std::ranges::sort(*state.carried);
   return state;
 }
-
 } // namespace
 
 NamedState capture(const Standing& scene) { return what_is_owned(scene, SceneNames(scene)); }
@@ -193,8 +192,8 @@ void StateMove::break_bonds() const
     }
   });
   if (!scene_.d || !scene_.plan) return;
-  if (state_.carried) break_joined();
-  if (scene_.d->carried) scene_.d->carried->set_broken(broken_carried());
+  if (changed_ && state_.carried) break_joined();
+  if (scene_.d->carried) scene_.d->carried->set_broken(changed_ ? broken_carried() : *state_.carried);
 }
 
 /// Bonds that left their patch when they broke, and lie in it now.
@@ -232,14 +231,14 @@ std::set<std::uint64_t> StateMove::parted_bonds() const
   return bonds;
 }
 
-/// Keys of the carried bonds that are broken: those that were carried then, and those that lay in a patch. Under
-/// another layout lines are parted elsewhere: of a bond with a broken part no part heals.
+/// Keys of the carried bonds that are broken under another layout: those that were carried then, and those that lay in
+/// a patch. Lines are parted elsewhere: of a bond with a broken part no part heals.
 std::vector<std::uint64_t> StateMove::broken_carried() const
 {
   std::vector<std::uint64_t> keys;
   std::vector<std::size_t> arms;
   std::vector<std::uint64_t> broken = *state_.carried;
-  const std::set<std::uint64_t> parted = changed_ ? parted_bonds() : std::set<std::uint64_t>{};
+  const std::set<std::uint64_t> parted = parted_bonds();
   std::vector<field::RowName> lower; // ends of the bonds
   scene_.d->carried->for_each_key([&](std::uint64_t key, Index patch) {
     const auto p = static_cast<std::size_t>(patch);

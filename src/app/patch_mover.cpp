@@ -13,7 +13,7 @@ namespace {
 struct Usual {
   double horizons, elements;
 };
-constexpr Usual kCritical[] = {{2.0, 0.0}, {3.0, 1.0}}; // static, in time; measured, see relocation in DECISIONS
+constexpr Usual kCritical[] = {{2.0, 0.0}, {3.0, 1.0}}; // static, in time
 constexpr Usual kExpansion[] = {{4.0, 0.0}, {7.0, 2.0}};
 
 double length(double given, const Usual& usual, double horizon, double element)

@@ -186,6 +186,7 @@ void Recorder::count(const solve::StaticReport& report)
   results["halvings"] = report.halvings;
   results["particles_held"] = report.held_rows;
   results["solve_iterations"] = series(report.solve_iterations);
+  if (options_.layout.may_change(1)) results["layout_seconds"] = files_.layout_seconds;
   if (!files_.grows()) return;
   results["solve_seconds"] = series(report.solve_seconds);
   results["solve_bonds_broken"] = series(report.solve_changes);

@@ -97,10 +97,6 @@ LayoutOptions LayoutOptions::read()
              Range::at_least(0.0));
   l.adapt_interval =
       o.integer("-adapt_every", 1, "explicit: steps from one look for such bonds to the next", {1.0, 1e9});
-  if (l.critical_length > 0.0 && l.expansion_length > 0.0 && !(l.expansion_length > l.critical_length))
-    throw UserError(fmt::format("-adapt_expansion_length is {}: must be above the {} of -adapt_critical_length, or "
-                                "patches never move away from what broke",
-                                l.expansion_length, l.critical_length));
   if (l.rebalance_threshold > 0.0 && l.rebalance_threshold < kLeastThreshold)
     throw UserError(fmt::format("-rebalance_threshold is {}: must be 0 (never) or at least {}", l.rebalance_threshold,
                                 kLeastThreshold));
