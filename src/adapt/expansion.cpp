@@ -43,13 +43,6 @@ bool is_divided(const std::array<Vector<2>, 4>& corners, const geom::Box<2>& box
   return true;
 }
 
-geom::Box<2> box_around(const std::array<Vector<2>, 4>& corners)
-{
-  geom::Box<2> box{corners[0], corners[0]};
-  for (const Vector<2>& x : corners) box = {box.lower.cwiseMin(x), box.upper.cwiseMax(x)};
-  return box;
-}
-
 struct Found {
   Index cell;                ///< natural number
   std::array<double, 4> box; ///< lower and upper corner [m]
@@ -138,9 +131,8 @@ bool can_expand(const SceneView& scene)
   bool any = false;
   for (Index c = 0; c < scene.mesh.owned_cells(); ++c)
     for (const couple::Surroundings& around : scene.around) {
-      const auto corners = scene.mesh.corners(c);
       any = any || (scene.mesh.use(c) != mesh::Use::covered &&
-                    is_divided(corners, box_around(corners), around.shape().lattice));
+                    is_divided(scene.mesh.corners(c), box_of(scene.mesh, c), around.shape().lattice));
     }
   return any_rank(scene.mesh.comm(), any);
 }
@@ -155,7 +147,7 @@ std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<con
   for (Index c = 0; c < mesh.owned_cells(); ++c) {
     if (mesh.use(c) == mesh::Use::covered || held.has(c)) continue;
     const auto corners = mesh.corners(c);
-    const geom::Box<2> box = box_around(corners);
+    const geom::Box<2> box = box_of(mesh, c);
     std::size_t first = scene.around.size(); // patch that wants it and can have it
     for (const Front& front : damage) {
       const auto patch = static_cast<std::size_t>(front.patch);
@@ -184,7 +176,7 @@ LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box, bool spa
   if (left == 0) return {}; // some patch must stay
   for (Index c = 0; c < mesh.owned_cells(); ++c) {
     if (!box.contains(mesh.centroid(c)) || held.has(c)) continue;
-    const geom::Box<2> cell = box_around(mesh.corners(c));
+    const geom::Box<2> cell = box_of(mesh, c);
     if (mesh.use(c) == mesh::Use::covered && is_whole(scene, c))
       covered.push_back(found(mesh, c, cell, lattice));
     else if (mesh.use(c) != mesh::Use::covered && is_divided(mesh.corners(c), cell, lattice) &&

@@ -1,4 +1,4 @@
-#include "pdx/adapt/fill.hpp"
+#include "pdx/adapt/hand_back.hpp"
 #include "pdx/adapt/vertex_sums.hpp"
 #include "pdx/geom/box_cover.hpp"
 
@@ -40,13 +40,15 @@ Eigen::RowVectorXd value_at_vertex(const double* sums, Eigen::Index sides)
 }
 } // namespace
 
-FreshRows fill_nodes(const SceneView& scene, std::span<const geom::Box<2>> uncovered,
+FreshRows fill_nodes(const SceneView& scene, const LayoutChange& change,
                      std::span<const std::span<const double>> fields)
 {
   const mesh::Mesh& mesh = scene.mesh;
+  const crack::CrackSet paths(change.paths, mesh.bounds());
+  const crack::CrackSet* hiding = change.paths.empty() && scene.sets ? &scene.sets->cracks() : &paths;
   const auto sides = static_cast<Eigen::Index>(2 * fields.size());
   VertexSums sums(mesh, kEntries + static_cast<std::size_t>(kSquares * sides), [&](Index v) {
-    return scene.node_rows[static_cast<std::size_t>(v)] < 0 && geom::hold(uncovered, mesh.point(v));
+    return scene.node_rows[static_cast<std::size_t>(v)] < 0 && geom::hold(change.uncover, mesh.point(v));
   });
   const auto first = static_cast<std::size_t>(scene.halo.rows().first_particle());
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
@@ -55,7 +57,7 @@ FreshRows fill_nodes(const SceneView& scene, std::span<const geom::Box<2>> uncov
       if (!sums.wanted(v)) continue;
       const Vector<2> d = (p.x - mesh.point(v)) / longest_side(mesh.corners(p.cell));
       const double weight = weight_at(d.norm());
-      if (weight == 0.0 || (scene.sets && scene.sets->cracks().cuts(mesh.point(v), p.x))) continue;
+      if (weight == 0.0 || hiding->cuts(mesh.point(v), p.x)) continue;
       const Square terms{1.0, d[0], d[1], 0.5 * d[0] * d[0], d[0] * d[1], 0.5 * d[1] * d[1]};
       double* to = sums.at(v);
       Eigen::Map<Matrix>{to} += weight * terms * terms.transpose();
@@ -84,10 +86,15 @@ FreshRows fill(const SceneView& scene, const LayoutChange& change, std::span<con
   FreshRows fresh = change.cover.empty() ? FreshRows{{}, std::vector<std::vector<double>>(fields.size())}
                                          : fill_particles(scene, change.cover, fields);
   if (change.uncover.empty()) return fresh;
-  const FreshRows nodes = fill_nodes(scene, change.uncover, fields);
-  fresh.names.insert(fresh.names.end(), nodes.names.begin(), nodes.names.end());
-  for (std::size_t f = 0; f < fields.size(); ++f)
-    fresh.fields[f].insert(fresh.fields[f].end(), nodes.fields[f].begin(), nodes.fields[f].end());
+  fresh.append(fill_nodes(scene, change, fields));
+  fresh.append(fresh_sets(scene, change, fields.size()));
   return fresh;
+}
+
+void FreshRows::append(const FreshRows& more)
+{
+  names.insert(names.end(), more.names.begin(), more.names.end());
+  for (std::size_t f = 0; f < fields.size(); ++f)
+    fields[f].insert(fields[f].end(), more.fields[f].begin(), more.fields[f].end());
 }
 } // namespace pdx::adapt

@@ -76,7 +76,7 @@ Layout Layout::changed(const adapt::LayoutChange& change) const
     all.insert(all.end(), left.begin(), left.end());
   }
   for (const auto& [box, dx] : change.cover) of({box.lower, dx}).push_back(box);
-  Layout next{{}, {}, cracks, anchors};
+  Layout next{{}, {}, change.cracks.value_or(cracks), anchors};
   for (std::size_t k = 0; k < boxes.size(); ++k)
     for (const geom::Box<2>& box : geom::joined(std::move(boxes[k]), kSameSide * lattices[k].spacing)) {
       next.patches.push_back(box);

@@ -177,6 +177,13 @@ std::vector<double> StateMove::rows(std::span<const double> values, int componen
   return rows_.carry(values, components);
 }
 
+std::vector<double> StateMove::came_after(std::size_t known) const
+{
+  std::vector<double> after(state_.rows.size(), 1.0);
+  std::fill_n(after.begin(), known, 0.0);
+  return rows(after, 1);
+}
+
 void StateMove::break_bonds() const
 {
   const int width = state_.words_per_particle;

@@ -15,6 +15,7 @@ struct Usual {
 };
 constexpr Usual kCritical[] = {{2.0, 0.0}, {3.0, 1.0}}; // static, in time
 constexpr Usual kExpansion[] = {{4.0, 0.0}, {7.0, 2.0}};
+constexpr Usual kContraction[] = {{4.0, 0.0}, {8.0, 2.4}};
 
 double length(double given, const Usual& usual, double horizon, double element)
 {
@@ -27,7 +28,11 @@ void PatchMover::judge(const SceneOptions& s)
   if (s.layout.adapt == Adapt::none)
     for (const char* name : {"-adapt_critical_length", "-adapt_expansion_length", "-adapt_every"})
       if (Options("layout").given(name))
-        throw UserError(fmt::format("{} steers patches that move: give -adapt expand, or drop it", name));
+        throw UserError(fmt::format("{} steers patches that move: give -adapt expand or relocate, or drop it", name));
+  if (s.layout.adapt != Adapt::relocate)
+    for (const char* name : {"-adapt_contraction_length", "-adapt_expansions"})
+      if (Options("layout").given(name))
+        throw UserError(fmt::format("{} steers what patches hand back: give -adapt relocate, or drop it", name));
   if (!s.layout.patches_move()) return;
   if (s.pd.patches.empty())
     throw UserError("-adapt (-layout_renew_box) moves patches between elements: give boxes by -pd_patches, or drop it");
@@ -86,6 +91,20 @@ adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const PatchP
   const Timed timed(event);
   adapt::LayoutChange change;
   change.cover = adapt::expansion(scene, reaches(scene, plan), options_.time.dynamic());
+  if (!change.cover.empty()) ++expansions_;
   return change;
+}
+
+adapt::LayoutChange PatchMover::contract(const adapt::SceneView& scene, const PatchPlan& plan,
+                                         const adapt::MayHandBack& may)
+{
+  static Event event("adapt_contract");
+  const Timed timed(event);
+  expansions_ = 0;
+  std::vector<double> reach;
+  for (std::size_t p = 0; p < scene.around.size(); ++p)
+    reach.push_back(length(options_.layout.contraction_length, kContraction[options_.time.dynamic()],
+                           plan.stencils[p].horizon, scene.around[p].shortest_edge()));
+  return adapt::contraction(scene, reach, may);
 }
 } // namespace pdx::app

@@ -1,5 +1,7 @@
 #include "pdx/app/run_in_time.hpp"
 
+#include "pdx/adapt/energy_trial.hpp"
+#include "pdx/adapt/hand_back.hpp"
 #include "pdx/app/checkpoints.hpp"
 #include "pdx/app/load_balance.hpp"
 #include "pdx/app/patch_mover.hpp"
@@ -14,6 +16,7 @@
 namespace pdx::app {
 namespace {
 using Verdict = solve::TimeDriver::Verdict;
+constexpr double kMostRise = 2e-4; // of the strain energy, by one element that particles become
 
 /// What steps a scene through time and records it, with checkpoints where steps are explicit. A scene and its driver
 /// live for one layout; files, recorders and checkpoints outlive them.
@@ -95,38 +98,53 @@ private:
     change_ = {};
     if (mover_.follows() && step % when.adapt_interval == 0)
       change_ = mover_.look(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds);
+    if (mover_.may_contract()) add_what_lies_behind();
     uneven_ = balance_.due(*driver_);
     const bool renewed = when.renew_interval > 0 && step % when.renew_interval == 0;
     if (renewed && mover_.renews() && change_.empty()) change_ = mover_.renewal(scene_->view());
     return uneven_ || renewed || !change_.empty();
   }
 
-  /// Adds the rows that the change to come makes, with what the scene says of them now.
-  void add_fresh_rows(NamedState& state) const
+  /// Adds to the change to come what patches hand back.
+  void add_what_lies_behind()
+  {
+    const Discretisation& d = *files_.scene.d;
+    const post::Energies energies = recorder_.energies(*driver_).stored;
+    const std::vector<double> density = d.energy_density(driver_->local());
+    const adapt::SceneView view = scene_->view();
+    const adapt::EnergyTrial trial(view, {driver_->local(), density, files_.options.elastic,
+                                          files_.options.element_kinematics(), kMostRise * energies.elastic()});
+    adapt::LayoutChange behind =
+        mover_.contract(view, *files_.scene.plan, [&trial](Index cell, const crack::CrackSet& paths) {
+          return trial.allows(cell, paths);
+        });
+    behind.cover = std::move(change_.cover);
+    change_ = std::move(behind);
+  }
+
+  /// Adds the rows that the change to come makes, with what the scene says of them now, and returns what goes.
+  adapt::Leaving add_fresh_rows(NamedState& state) const
   {
     std::vector<double> v;
     driver_->moving().system.halo->fetch(driver_->v(), driver_->moving().system.rows.dim, v);
     const std::span<const double> fields[] = {driver_->local(), v};
     add_rows(state, adapt::fill(scene_->view(), change_, fields));
+    return adapt::leaving(scene_->view(), change_.uncover, fields);
   }
 
-  /// Rows that are new share out what the change took of the momentum, as one more velocity of theirs.
-  /// @param move from a state of `rows` rows on this rank, of which the first `known` were there before
-  void keep_momentum(const StateMove& move, std::size_t rows, std::size_t known, const std::array<double, 3>& before,
-                     std::vector<double>& v) const
+  /// Nodes and particles that are new share out what the change took of the momentum, as one more velocity of theirs.
+  void keep_momentum(std::span<const double> is_new, const std::array<double, 3>& before, std::vector<double>& v) const
   {
-    std::vector<double> is_new(rows, 1.0);
-    std::fill_n(is_new.begin(), known, 0.0);
-    is_new = move.rows(is_new, 1);
     const solve::MovingSystem& moving = driver_->moving();
-    const auto dim = static_cast<std::size_t>(moving.system.rows.dim);
-    double mass = 0.0;
-    for (std::size_t row = 0; row < is_new.size(); ++row) mass += is_new[row] * moving.mass[row];
-    MPI_Allreduce(MPI_IN_PLACE, &mass, 1, MPI_DOUBLE, MPI_SUM, files_.comm());
-    if (mass <= 0.0) return;
-    const std::array<double, 3> now = moving.momentum(v);
+    const field::Rows& rows = moving.system.rows;
+    const auto dim = static_cast<std::size_t>(rows.dim);
+    std::vector<double> more(v.size(), 0.0); // as one velocity
     for (std::size_t row = 0; row < is_new.size(); ++row)
-      for (std::size_t d = 0; d < dim; ++d) v[row * dim + d] += is_new[row] * (before[d] - now[d]) / mass;
+      if (static_cast<Index>(row) < rows.nodes || static_cast<Index>(row) >= rows.first_particle())
+        std::fill_n(more.begin() + static_cast<std::ptrdiff_t>(row * dim), dim, is_new[row]);
+    const std::array<double, 3> mass = moving.momentum(more), now = moving.momentum(v);
+    if (mass[0] <= 0.0) return;
+    for (std::size_t k = 0; k < v.size(); ++k) v[k] += more[k] * (before[k % dim] - now[k % dim]) / mass[k % dim];
   }
 
   /// Another scene, by `layout_`.
@@ -156,8 +174,9 @@ private:
     const bool moves = !change_.empty();
     const std::size_t known = state.rows.size();
     const std::array<double, 3> momentum = moves ? driver_->moving().momentum(driver_->v()) : std::array<double, 3>{};
+    adapt::Leaving left;
     if (moves) {
-      add_fresh_rows(state);
+      left = add_fresh_rows(state);
       layout_ = layout_.changed(change_);
       ++files_.summary.relocations;
     }
@@ -171,7 +190,10 @@ private:
     dormant_ = move.dormant();
     if (moves) {
       field::State moving = move.moving();
-      keep_momentum(move, state.rows.size(), known, momentum, moving.v);
+      const std::vector<double> is_new = move.came_after(known);
+      const std::span<double> fields[] = {moving.u, moving.v};
+      if (change_.cracks) adapt::fit_sets(scene_->view(), left, is_new, fields);
+      keep_momentum(is_new, momentum, moving.v);
       driver_->resume_changed(clock, moving);
     } else
       driver_->resume(clock, move.moving());

@@ -1,5 +1,6 @@
 #include "pdx/app/run_static.hpp"
 
+#include "pdx/adapt/hand_back.hpp"
 #include "pdx/app/crack_results.hpp"
 #include "pdx/app/patch_mover.hpp"
 #include "pdx/app/recorder.hpp"
@@ -142,6 +143,10 @@ private:
           [&](const solve::Step& step, Vec state) {
             recorder_.accept(step, state, *driver_, prior_);
             load_ = step.load;
+            if (mover_.may_contract() && !path.done()) {
+              change_ = mover_.contract(d_->view(ground_->mesh), ground_->plan, {});
+              if (!change_.empty()) return Verdict::relayout;
+            }
             const int interval = files_.options.layout.renew_interval;
             if (interval == 0 || step.number % interval || path.done()) return Verdict::go_on;
             if (mover_.renews()) change_ = mover_.renewal(d_->view(ground_->mesh));
@@ -170,10 +175,13 @@ private:
   struct Moment {
     NamedState state;
     pd::Broken broken;
+    std::size_t known = 0; // rows that were there before
+    adapt::Leaving left;
   };
   Moment moment(std::span<const double> u)
   {
-    Moment now{capture(standing()), d_->fracture ? d_->fracture->all() : pd::Broken{}};
+    Moment now{capture(standing()), d_->fracture ? d_->fracture->all() : pd::Broken{}, 0, {}};
+    now.known = now.state.rows.size();
     now.state.moving.u.assign(u.begin(), u.end());
     add_dormant(now.state, dormant_);
     if (change_.empty()) return now;
@@ -181,6 +189,7 @@ private:
     d_->system.halo->fetch(u, now.state.dim, local);
     const std::span<const double> fields[] = {local};
     add_rows(now.state, adapt::fill(d_->view(ground_->mesh), change_, fields));
+    now.left = adapt::leaving(d_->view(ground_->mesh), change_.uncover, fields);
     return now;
   }
 
@@ -198,7 +207,10 @@ private:
     move.require_fit();
     move.break_bonds();
     if (d_->fracture) d_->fracture->resume(moment.broken);
-    return move.rows(moment.state.moving.u, moment.state.dim);
+    std::vector<double> u = move.rows(moment.state.moving.u, moment.state.dim);
+    const std::span<double> fields[] = {u};
+    if (change_.cracks) adapt::fit_sets(d_->view(ground_->mesh), moment.left, move.came_after(moment.known), fields);
+    return u;
   }
 
   /// The layout to come, or the same, built anew: what stood before is gone, but for what it knew by name. Within a

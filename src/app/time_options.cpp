@@ -82,9 +82,10 @@ LayoutOptions LayoutOptions::read()
              "explicit: time of the busiest rank over the mean above which cells are dealt out anew "
              "by what they take; 0: never",
              Range::at_least(0.0));
-  static constexpr const char* kinds[] = {"none", "expand"};
-  l.adapt = static_cast<Adapt>(
-      o.choice("-adapt", 0, kinds, "what patches do while cracks grow: nothing, or elements ahead become particles"));
+  static constexpr const char* kinds[] = {"none", "expand", "relocate"};
+  l.adapt = static_cast<Adapt>(o.choice("-adapt", 0, kinds,
+                                        "what patches do while cracks grow: nothing, elements ahead become particles, "
+                                        "or particles behind become elements too"));
   l.critical_length =
       o.real("-adapt_critical_length", 0.0, "m",
              "patches move where bonds broke as near to elements; 0: explicit the larger of 3 horizons and an element, "
@@ -95,6 +96,12 @@ LayoutOptions LayoutOptions::read()
              "elements with a node as near to such bonds become particles; 0: explicit the larger of 7 horizons and 2 "
              "elements, static 4 horizons",
              Range::at_least(0.0));
+  l.contraction_length =
+      o.real("-adapt_contraction_length", 0.0, "m",
+             "particles as far behind a tip become elements; 0: explicit the larger of 8 horizons and 2.4 elements, "
+             "static 4 horizons",
+             Range::at_least(0.0));
+  l.expansions = o.integer("-adapt_expansions", 1, "expansions from one such contraction to the next", {1.0, 1e9});
   l.adapt_interval =
       o.integer("-adapt_every", 1, "explicit: steps from one look for such bonds to the next", {1.0, 1e9});
   if (l.rebalance_threshold > 0.0 && l.rebalance_threshold < kLeastThreshold)

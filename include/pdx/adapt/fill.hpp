@@ -8,6 +8,7 @@ namespace pdx::adapt {
 struct FreshRows {
   std::vector<field::RowName> names;
   std::vector<std::vector<double>> fields; ///< two components for each name
+  void append(const FreshRows& more);      ///< of as many fields
 };
 
 /// The particles that elements become on this rank: each field as the element carries it there [XPD2 Eq. 14], bent by
@@ -19,7 +20,7 @@ FreshRows fill_particles(const SceneView& scene, std::span<const LayoutChange::C
 /// The nodes of elements that take the place of particles: quadratics that fit best, in a moving least squares, the
 /// particles within an element's side that no crack hides [XPD2 Eqs. 17-21, another weight]. Of owned vertices.
 /// Collective.
-FreshRows fill_nodes(const SceneView& scene, std::span<const geom::Box<2>> uncovered,
+FreshRows fill_nodes(const SceneView& scene, const LayoutChange& change,
                      std::span<const std::span<const double>> fields);
 
 /// All rows that a change makes. Collective.

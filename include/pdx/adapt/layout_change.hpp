@@ -1,8 +1,8 @@
 #pragma once
-#include "pdx/geom/box.hpp"
+#include "pdx/crack/crack_set.hpp"
 #include "pdx/geom/same_lattice.hpp"
 
-#include <vector>
+#include <optional>
 
 namespace pdx::adapt {
 /// Which elements are to become particles and which particles elements, alike on every rank. Boxes are elements, or
@@ -15,6 +15,10 @@ struct LayoutChange {
   };
   std::vector<Cover> cover;
   std::vector<geom::Box<2>> uncover; ///< [m]
+  /// All cracks as they are to run then, where some were followed further; in their order.
+  std::optional<std::vector<crack::Polyline>> cracks;
+  /// As far as they are known, through what stays particles too: they hide particles from nodes. Empty: as they are.
+  std::vector<crack::Polyline> paths;
   bool empty() const { return cover.empty() && uncover.empty(); }
 };
 } // namespace pdx::adapt

@@ -63,6 +63,8 @@ public:
   StateMove(const NamedState& state, const Standing& scene, bool changed = false);
   const Misfit& misfit() const { return misfit_; } ///< nothing below may be asked for what does not fit
 
+  /// 1 for each of the scene's rows that comes from behind the first so many of the state's on its rank, else 0.
+  std::vector<double> came_after(std::size_t known) const;
   /// Values of the scene's rows. @param values of the state's rows x components
   std::vector<double> rows(std::span<const double> values, int components) const;
   /// Breaks the bonds that are broken there.

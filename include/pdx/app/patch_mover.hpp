@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/adapt/contraction.hpp"
 #include "pdx/adapt/expansion.hpp"
 #include "pdx/app/patches.hpp"
 
@@ -18,6 +19,13 @@ public:
   std::string begin(const adapt::SceneView& scene, const PatchPlan& plan) const;
   /// Where bonds broke since the last call. @param broken bonds that this rank counts, since the start
   adapt::LayoutChange look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken);
+  /// Is it time for patches to hand back what lies behind? Alike on every rank.
+  bool may_contract() const
+  {
+    return options_.layout.adapt == Adapt::relocate && expansions_ >= options_.layout.expansions;
+  }
+  /// What they hand back then.
+  adapt::LayoutChange contract(const adapt::SceneView& scene, const PatchPlan& plan, const adapt::MayHandBack& may);
 
 private:
   std::vector<adapt::Reaches> reaches(const adapt::SceneView& scene, const PatchPlan& plan) const;
@@ -25,5 +33,6 @@ private:
 
   const SceneOptions& options_;
   std::int64_t broken_ = 0; // at the last look, this rank
+  int expansions_ = 0;      // since the last contraction
 };
 } // namespace pdx::app

@@ -24,7 +24,7 @@ struct CheckpointOptions {
 };
 
 /// What patches do while cracks grow. expand: elements ahead become particles.
-enum class Adapt { none, expand };
+enum class Adapt { none, expand, relocate };
 
 /// When a scene changes its layout.
 struct LayoutOptions {
@@ -34,7 +34,9 @@ struct LayoutOptions {
   Adapt adapt = Adapt::none;
   double critical_length = 0.0;  ///< damage as near to elements moves the border; 0: by horizon and elements [m]
   double expansion_length = 0.0; ///< elements as near to such damage become particles; 0: likewise [m]
-  int adapt_interval = 1;        ///< steps from one look for such damage to the next
+  double contraction_length = 0.0; ///< particles as far from all tips become elements again; 0: likewise [m]
+  int adapt_interval = 1;          ///< steps from one look for such damage to the next
+  int expansions = 1;              ///< after so many a patch hands back what lies behind [XPD2 Eq. 15]
 
   bool patches_move() const { return adapt != Adapt::none || renew_box; }
   bool may_change(int ranks) const

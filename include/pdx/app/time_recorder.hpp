@@ -46,8 +46,9 @@ public:
   void interrupted(const solve::TimeDriver& driver);   ///< a signal came; no failure
   void stopped_at(const solve::TimeDriver& driver);    ///< the solver gave up: what the last sound state holds
 
+  MotionEnergies energies(const solve::TimeDriver& driver) const; ///< as they are. Collective.
+
 private:
-  MotionEnergies energies(const solve::TimeDriver& driver) const;
   bool told(const solve::TimeDriver& driver) const;
   void count(const MotionEnergies& energies);
   void count_seconds(double output_begin);
