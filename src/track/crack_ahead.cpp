@@ -1,13 +1,15 @@
 #include "crack_ahead.hpp"
 
+#include "soft_line.hpp"
+
 #include <algorithm>
 
 namespace pdx::track {
 namespace {
-constexpr int kShort = 2;           // square of the length of bonds that show where damage is, in spacings
-constexpr double kSteadiness = 2.0; // bonds that are as much as straight on
-constexpr double kOnPath = 1e-6;    // spacings: a particle nearer to the path is on either side
-constexpr double kSample = 0.125;   // spacings between places where the share is looked at
+constexpr int kShort = 2;                    // square of the length of bonds that show where damage is, in spacings
+constexpr Stiffness kSteadiness{5.0, 200.0}; // so that broken bonds beside the path do not lead astray
+constexpr double kOnPath = 1e-6;             // spacings: a particle nearer to the path is on either side
+constexpr double kEqual = 1e-6;              // of a weight
 
 /// A bond that crosses the path.
 struct Crosser {
@@ -29,57 +31,52 @@ class Ahead {
 public:
   Ahead(const BondGraph& graph, const Line& start)
       : graph_(graph), start_(start), horizon_(graph.horizon() / graph.lattice().dx), path_{start.at}
-  {
-    cross(start.at - start.along, start.at, -1.0);
-  }
+  {}
 
   Line tip()
   {
-    const auto patience = static_cast<int>(std::ceil(horizon_)) + 1; // steps without damage after which there is none
     Vector<2> along = start_.along;
-    for (int quiet = 0; quiet < patience && along.dot(start_.along) > 0.0;) quiet = step(along) ? 0 : quiet + 1;
-    const auto ahead = [](const Crosser& bond) { return bond.gone && bond.place > kOnPath; };
-    if (std::ranges::none_of(crossers_, ahead)) return start_;
+    for (int quiet = 0; quiet < patience() && along.dot(start_.along) > 0.0;) quiet = step(along) ? 0 : quiet + 1;
     const double place = last_half();
+    if (place == 0.0) return start_;
     const Vector<2> at = point(place);
     return {at, (at - point(place - horizon_)).normalized()};
   }
 
 private:
+  /// Steps without damage after which there is none.
+  int patience() const { return static_cast<int>(std::ceil(horizon_)) + 1; }
+
   /// Goes on by one spacing. Is at least half of what crosses it broken?
   bool step(Vector<2>& along)
   {
     const Vector<2> from = path_.back();
-    const auto [offset, slope] = bend({from, along});
-    const Vector<2> side = left_of(along);
-    const Vector<2> to = from + (along + (offset + slope) * side).normalized();
-    along = (along + slope * side).normalized();
+    const Line line = soft_line(ends_ahead({from, along}), {from, along}, kSteadiness);
+    const Vector<2> to = from + (line.at + line.along - from).normalized();
+    along = line.along;
     path_.push_back(to);
     return cross(from, to, static_cast<double>(path_.size()) - 2.0);
   }
 
-  /// Offset and slope of the middles of broken short bonds against going straight on, as far as there are any.
-  std::pair<double, double> bend(const Line& straight) const
+  /// Ends of broken short bonds beside the way straight on, the higher one as left of the crack.
+  std::vector<Labelled> ends_ahead(const Line& straight) const
   {
-    Eigen::Matrix2d normal = kSteadiness * Eigen::Matrix2d::Identity();
-    normal(1, 1) *= horizon_ * horizon_;
-    Vector<2> right = Vector<2>::Zero();
+    std::vector<Labelled> all;
     for_each_site(straight.at, straight.at + horizon_ * straight.along, 2.0, [&](const Site<2>& site) {
       for (std::size_t h = 0; h < graph_.stencil().half.size(); ++h) {
         const Site<2>& arm = graph_.stencil().half[h].step;
         if (arm[0] * arm[0] + arm[1] * arm[1] > kShort || !graph_.gone(site, h)) continue;
-        const Vector<2> at = middle_of(site) + 0.5 * Vector<2>(arm[0], arm[1]);
-        const double place = straight.along.dot(at - straight.at), offset = straight.offset(at);
-        const double weight =
-            fade(-place, 0.0, 1.0) * fade(place, 0.5 * horizon_, horizon_) * fade(std::abs(offset), 1.0, 2.0);
-        const Vector<2> row(1.0, place);
-        normal += weight * row * row.transpose();
-        right += weight * offset * row;
+        const Vector<2> a = middle_of(site), b = middle_of(graph_.end_of(site, h)), middle = 0.5 * (a + b);
+        const double place = straight.along.dot(middle - straight.at), rise = straight.offset(b) - straight.offset(a);
+        const double weight = fade(-place, 0.0, 1.0) * fade(place, 0.5 * horizon_, horizon_) *
+                              fade(std::abs(straight.offset(middle)), 1.0, 2.0) * std::min(std::abs(rise), 1.0);
+        if (weight == 0.0) continue;
+        const double side = rise > 0.0 ? 1.0 : -1.0;
+        all.push_back({a, -side, weight});
+        all.push_back({b, side, weight});
       }
     });
-    const double det = normal(0, 0) * normal(1, 1) - normal(0, 1) * normal(1, 0);
-    return {(normal(1, 1) * right[0] - normal(0, 1) * right[1]) / det,
-            (normal(0, 0) * right[1] - normal(1, 0) * right[0]) / det};
+    return all;
   }
 
   /// Notes the bonds that cross a piece of the path. Is at least half of their weight gone?
@@ -107,23 +104,20 @@ private:
   }
   static int side(double offset) { return offset > kOnPath ? 1 : offset < -kOnPath ? -1 : 0; }
 
-  /// Last place where half the weight is broken, 0 if there is none.
-  double last_half() const
+  /// Where the share falls below one half for good: most of what is broken lies before, most of the rest behind.
+  double last_half()
   {
-    const auto count = static_cast<std::size_t>(static_cast<double>(path_.size() - 1) / kSample) + 1;
-    std::vector<double> all(count + 1), gone(count + 1);
-    for (const Crosser& bond : crossers_)
-      for (auto k = static_cast<std::size_t>(std::max(bond.place - 1.0, 0.0) / kSample);
-           k < count && kSample * static_cast<double>(k) < bond.place + 1.0; ++k) {
-        const double near = fade(std::abs(bond.place - kSample * static_cast<double>(k)), 0.0, 1.0);
-        all[k] += near * bond.weight;
-        if (bond.gone) gone[k] += near * bond.weight;
-      }
-    const auto excess = [&](std::size_t k) { return all[k] > 0.0 ? gone[k] / all[k] - 0.5 : -0.5; };
-    for (std::size_t k = count; k-- > 0;)
-      if (excess(k) >= 0.0)
-        return kSample * (static_cast<double>(k) + (k + 1 < count ? excess(k) / (excess(k) - excess(k + 1)) : 0.0));
-    return 0.0;
+    std::ranges::sort(crossers_, {}, &Crosser::place);
+    double excess = 0.0, most = 0.0, first = 0.0, last = 0.0;
+    for (std::size_t k = 0; k < crossers_.size(); ++k) {
+      excess += crossers_[k].gone ? crossers_[k].weight : -crossers_[k].weight;
+      if (excess < most - kEqual * crossers_[k].weight) continue;
+      const double next = k + 1 < crossers_.size() ? crossers_[k + 1].place : static_cast<double>(path_.size() - 1);
+      if (excess > most + kEqual * crossers_[k].weight) first = crossers_[k].place;
+      most = std::max(most, excess);
+      last = next;
+    }
+    return most > 0.0 ? 0.5 * (first + last) : 0.0;
   }
 
   /// Of the path; before its start, straight back.

@@ -9,7 +9,9 @@
 
 namespace pdx::track {
 namespace {
-constexpr double kSnap = 1e-3;  // of an edge: what is nearer to a corner or a line of the mesh is on it
+constexpr double kSnap = 1e-3; // of an edge: what is nearer to a corner or a line of the mesh is on it
+constexpr double kAside =
+    0.5; // spacings: a path that misses a cell by passing beyond a corner this near is on the corner
 constexpr double kAlong = 0.25; // slope up to which a line that misses a cell beside it is taken to run along its side
 
 /// Cells in spacings, found by place.
@@ -89,75 +91,82 @@ Vector<2> way_out(const CellBox& cell, const Line& line)
     x[side] = (line.along[side] > 0.0 ? cell.upper : cell.lower)[side];
     return x;
   }
-  Vector<2> nearest = cell.corner(0);
-  for (int k = 1; k < 4; ++k)
-    if (std::abs(line.offset(cell.corner(k))) < std::abs(line.offset(nearest))) nearest = cell.corner(k);
-  return nearest;
+  const auto farther = [&](const Vector<2>& a, const Vector<2>& b) { // of equally near ones the one ahead
+    const double more = std::abs(line.offset(a)) - std::abs(line.offset(b));
+    return std::abs(more) > kSnap * cell.edge() ? more > 0.0 : line.along.dot(a - b) < 0.0;
+  };
+  const std::array<Vector<2>, 4> corners{cell.corner(0), cell.corner(1), cell.corner(2), cell.corner(3)};
+  return *std::ranges::max_element(corners, farther);
 }
 
 class Follower {
 public:
   Follower(const BondGraph& graph, std::span<const geom::Box<2>> boxes, const Line& start)
-      : graph_(graph), boxes_(boxes), cells_(graph.lattice(), boxes), start_(start), now_(start)
+      : graph_(graph), boxes_(boxes), cells_(graph.lattice(), boxes), start_(start)
   {
     snap_start();
   }
 
   Followed all()
   {
+    while (next()) {
+    }
     Followed followed;
-    Vector<2> in = metres(now_.at, std::nullopt);
-    while (const auto cell = next()) {
-      const Vector<2> out = metres(now_.at, cell);
-      followed.crossings.push_back({*cell, in, out});
-      in = out;
+    for (const auto& [cell, out] : crossed_) followed.crossings.push_back({cell, Vector<2>(), metres(out, cell)});
+    const auto first = crossed_.empty() ? cells_.around(now_.at) : std::vector{crossed_[0].first};
+    Vector<2> end = first.empty() ? in_metres(graph_.lattice(), start_.at) : metres(start_.at, first[0]);
+    for (Crossing& crossing : followed.crossings) {
+      crossing.in = end;
+      end = crossing.out;
     }
     const Line tip = tip_ahead(graph_, now_);
-    followed.tip = tip.at == now_.at ? in : in_metres(graph_.lattice(), tip.at);
+    followed.tip = tip.at == now_.at ? end : in_metres(graph_.lattice(), tip.at);
     followed.direction = tip.along;
     return followed;
   }
 
 private:
-  /// What is next to a corner is on it; what is next to a line of the mesh and runs along it is on the line.
+  using Tried = std::set<std::size_t>;
+
+  /// What is next to a corner is on it; what is next to a line of the mesh is on the line.
   void snap_start()
   {
-    for (const std::size_t c : cells_.around(now_.at, 1.0)) {
+    for (const std::size_t c : cells_.around(start_.at, 1.0)) {
       const CellBox& cell = cells_[c];
       const double near = kSnap * cell.edge();
-      for (int k = 0; k < 4; ++k)
-        if ((cell.corner(k) - now_.at).norm() <= near) now_.at = cell.corner(k);
       for (int d = 0; d < 2; ++d)
         for (const double line : {cell.lower[d], cell.upper[d]})
-          if (std::abs(now_.at[d] - line) <= near) now_.at[d] = line;
+          if (std::abs(start_.at[d] - line) <= near) start_.at[d] = line;
     }
+    now_ = start_;
   }
 
-  /// Goes on through one cell that is parted wholly, and says which; none if there is no such cell.
-  std::optional<std::size_t> next()
+  /// Goes on through one cell that is parted wholly. Is there one?
+  bool next()
   {
     const Line here = now_;
-    std::set<std::size_t> tried = crossed_;
-    bool missed = false; // by the line of a cell
+    Tried tried;
+    for (const auto& [cell, out] : crossed_) tried.insert(cell);
+    bool missed = false;
     for (auto cell = into(tried); cell; cell = into(tried)) {
       tried.insert(*cell);
       const auto found = parted(graph_, cells_[*cell], start_, now_.along);
-      if (!found) break;
-      const auto out = leave(*cell, found->line);
-      if (out) {
-        now_ = here;
-        return go(*cell, *found, *out);
+      const auto out = found ? leave(*cell, found->line) : std::nullopt;
+      if (!found || (out && !go(*cell, *found, *out))) {
+        now_.along = here.along;
+        return false;
       }
-      now_.along = found->line.along;
+      if (out) return true;
+      now_.along = found->line.along; // it misses the cell
       missed = true;
+      step_aside(cells_[*cell]);
     }
-    if (missed)
-      if (const auto cell = along_side()) return cell;
-    now_ = here;
-    return std::nullopt;
+    if (missed && along_side()) return true;
+    now_.along = here.along;
+    return false;
   }
 
-  std::optional<std::size_t> into(const std::set<std::size_t>& tried) const
+  std::optional<std::size_t> into(const Tried& tried) const
   {
     for (const std::size_t c : cells_.around(now_.at))
       if (!tried.contains(c) && leads_into(cells_[c], now_.at, now_.along)) return c;
@@ -181,46 +190,63 @@ private:
       for (int k = 0; k < 4; ++k)
         if ((cells_[c].corner(k) - out).norm() <= near) out = cells_[c].corner(k);
     if ((out - now_.at).dot(line.along) <= near) return std::nullopt;
+    for (int d = 0; d < 2; ++d) // beside the cell
+      if (out[d] == now_.at[d] && (out[d] == cell.lower[d] || out[d] == cell.upper[d]) &&
+          std::abs(line.along[d]) > 2.0 * kSnap)
+        return std::nullopt;
     return out;
   }
 
-  std::optional<std::size_t> go(std::size_t cell, const Parted& found, const Vector<2>& out)
+  bool go(std::size_t cell, const Parted& found, const Vector<2>& out)
   {
     const Vector<2> way = out - now_.at;
     const Line chord = way.norm() < 1.0 ? found.line : Line{now_.at, way.normalized()};
-    if (!parts_along(graph_, found.bodies, cells_[cell], chord)) return std::nullopt;
+    if (!parts_along(graph_, found.bodies, cells_[cell], chord)) return false;
     now_ = {out, found.line.along};
-    crossed_.insert(cell);
-    return cell;
+    crossed_.emplace_back(cell, out);
+    return true;
+  }
+
+  /// From beside a corner of a cell that the path does not enter, onto the corner.
+  void step_aside(const CellBox& missed)
+  {
+    const bool first = crossed_.empty();
+    for (int k = 0; k < 4; ++k) {
+      const Vector<2> corner = missed.corner(k);
+      if ((corner - now_.at).norm() > kAside || !(first || cells_[crossed_.back().first].holds(corner))) continue;
+      now_.at = corner;
+      if (!first) crossed_.back().second = corner;
+      return;
+    }
   }
 
   /// Where the lines of the cells on either side of a mesh line miss them, the path is the mesh line.
-  std::optional<std::size_t> along_side()
+  bool along_side()
   {
     const int axis = std::abs(now_.along[0]) > std::abs(now_.along[1]) ? 0 : 1;
-    if (std::abs(now_.along[1 - axis]) > kAlong) return std::nullopt;
+    if (std::abs(now_.along[1 - axis]) > kAlong) return false;
     now_.along = (now_.along[axis] > 0.0 ? 1.0 : -1.0) * Vector<2>::Unit(axis);
-    const auto cell = into(crossed_);
-    if (!cell) return std::nullopt;
+    Tried tried;
+    for (const auto& [cell, out] : crossed_) tried.insert(cell);
+    const auto cell = into(tried);
+    if (!cell) return false;
     const CellBox& box = cells_[*cell];
-    if (now_.at[1 - axis] != box.lower[1 - axis] && now_.at[1 - axis] != box.upper[1 - axis]) return std::nullopt;
+    if (now_.at[1 - axis] != box.lower[1 - axis] && now_.at[1 - axis] != box.upper[1 - axis]) return false;
     const auto found = parted(graph_, box, start_, now_.along);
-    if (!found) return std::nullopt;
     Vector<2> out = now_.at;
     out[axis] = (now_.along[axis] > 0.0 ? box.upper : box.lower)[axis];
+    const auto far = [&](const Vector<2>& x) { return std::abs(found->line.offset(x)) > kAside; };
+    if (!found || far(now_.at) || far(out)) return false;
     return go(*cell, *found, out);
   }
 
-  /// Of a point in a cell or on its border: exactly the cell's corner or side.
-  Vector<2> metres(const Vector<2>& x, std::optional<std::size_t> cell) const
+  /// Of a point in a cell or on its border: what is on a side is on it exactly.
+  Vector<2> metres(const Vector<2>& x, std::size_t cell) const
   {
     Vector<2> y = in_metres(graph_.lattice(), x);
-    const auto touching = cell ? std::vector<std::size_t>{*cell} : cells_.around(x);
-    if (touching.empty()) return y;
-    const CellBox& box = cells_[touching[0]];
     for (int d = 0; d < 2; ++d) {
-      if (x[d] == box.lower[d]) y[d] = boxes_[touching[0]].lower[d];
-      if (x[d] == box.upper[d]) y[d] = boxes_[touching[0]].upper[d];
+      if (x[d] == cells_[cell].lower[d]) y[d] = boxes_[cell].lower[d];
+      if (x[d] == cells_[cell].upper[d]) y[d] = boxes_[cell].upper[d];
     }
     return y;
   }
@@ -229,7 +255,7 @@ private:
   std::span<const geom::Box<2>> boxes_;
   Cells cells_;
   Line start_, now_;
-  std::set<std::size_t> crossed_;
+  std::vector<std::pair<std::size_t, Vector<2>>> crossed_; // cells and where they are left, in spacings
 };
 } // namespace
 

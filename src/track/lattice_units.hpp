@@ -1,7 +1,9 @@
 #pragma once
 #include "pdx/track/bond_graph.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace pdx::track {
 /// A box of whole lattice cells, counted from the lattice's origin; all that follows is in spacings.

@@ -1,14 +1,26 @@
 #include "parted_cell.hpp"
 
+#include "soft_line.hpp"
+
 #include <algorithm>
 
 namespace pdx::track {
 namespace {
 constexpr Index kPairReach = 2; // spacings per direction to the other particle of a pair
 constexpr double kSlack = 1.0;  // spacings
+constexpr double kBeside = 3.0; // spacings to a line, within which particles decide where it is
+constexpr double kFade = 1.5;   // horizons outside a cell, to where particles would decide on its line
+constexpr double kFewest = 1.0; // midpoints that make a line
+constexpr double kTurn = 0.2;   // cosine of the largest turn from cell to cell
+
+struct Two {
+  int first, second;
+  bool has(int body) const { return body == first || body == second; }
+  int other(int body) const { return body == first ? second : first; }
+};
 
 /// Bodies that are more than crumbs; none if they are not two.
-std::optional<std::pair<int, int>> two_bodies(const Bodies& bodies)
+std::optional<Two> two_bodies(const Bodies& bodies)
 {
   std::vector<int> particles(static_cast<std::size_t>(bodies.count));
   for (const int body : bodies.body) ++particles[static_cast<std::size_t>(body)];
@@ -16,116 +28,152 @@ std::optional<std::pair<int, int>> two_bodies(const Bodies& bodies)
   for (int b = 0; b < bodies.count; ++b)
     if (particles[static_cast<std::size_t>(b)] > kCrumbs) large.push_back(b);
   if (large.size() != 2) return std::nullopt;
-  return std::pair(large[0], large[1]);
+  return Two{large[0], large[1]};
 }
 
-struct Midpoint {
-  Vector<2> at;
-  double weight;
+/// Sums for a straight line through weighted points.
+struct Cloud {
+  void add(const Vector<2>& x, double w)
+  {
+    weight += w;
+    first += w * x;
+    second += w * x * x.transpose();
+  }
+  /// Total least squares: along the longer axis of the cloud.
+  Line line() const
+  {
+    const Vector<2> middle = first / weight;
+    const Tensor<2> spread = second / weight - middle * middle.transpose();
+    const double angle = 0.5 * std::atan2(2.0 * spread(0, 1), spread(0, 0) - spread(1, 1));
+    return {middle, {std::cos(angle), std::sin(angle)}};
+  }
+  double weight = 0.0;
+  Vector<2> first = Vector<2>::Zero();
+  Tensor<2> second = Tensor<2>::Zero();
 };
 
-/// Labels of the sites of a window.
-class Labels {
+/// The particles of a cell and a horizon around it.
+class Window {
 public:
-  explicit Labels(const Bodies& bodies) : lower_(bodies.sites[0]), upper_(bodies.sites[0])
+  Window(const BondGraph& graph, const CellBox& cell, const Line& start)
+      : cell_(cell), start_(start), horizon_(graph.horizon() / graph.lattice().dx)
   {
-    for (const Site<2>& site : bodies.sites)
-      for (std::size_t d = 0; d < 2; ++d) {
-        lower_[d] = std::min(lower_[d], site[d]);
-        upper_[d] = std::max(upper_[d], site[d]);
-      }
-    body_.assign(
-        static_cast<std::size_t>(upper_[0] - lower_[0] + 1) * static_cast<std::size_t>(upper_[1] - lower_[1] + 1), -1);
+    const Vector<2> border = Vector<2>::Constant(horizon_);
+    const CellBox box{cell.lower - border, cell.upper + border};
+    bodies = bodies_in(graph, in_metres(graph.lattice(), box));
+    for (std::size_t d = 0; d < 2; ++d) {
+      lower_[d] = static_cast<Index>(std::floor(box.lower[static_cast<int>(d)]));
+      count_[d] = static_cast<Index>(std::ceil(box.upper[static_cast<int>(d)])) - lower_[d];
+    }
+    body_.assign(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]), -1);
     for (std::size_t k = 0; k < bodies.sites.size(); ++k) body_[number(bodies.sites[k])] = bodies.body[k];
   }
-  int of(const Site<2>& site) const
+
+  /// Midpoints of nearest pairs.
+  Cloud midpoints(const Two& two) const
   {
-    for (std::size_t d = 0; d < 2; ++d)
-      if (site[d] < lower_[d] || site[d] > upper_[d]) return -1;
-    return body_[number(site)];
+    Cloud cloud;
+    for (std::size_t k = 0; k < bodies.sites.size(); ++k)
+      if (two.has(bodies.body[k]))
+        if (const auto x = half_way(bodies.sites[k], two.other(bodies.body[k]))) cloud.add(*x, weight(*x));
+    return cloud;
   }
+
+  /// Particles beside a line, the body with more of them on its left as those that should be there.
+  std::vector<Labelled> labelled(const Two& two, const Line& line) const
+  {
+    std::vector<Labelled> all;
+    double agree = 0.0;
+    for (std::size_t k = 0; k < bodies.sites.size(); ++k) {
+      if (!two.has(bodies.body[k])) continue;
+      const Vector<2> x = middle_of(bodies.sites[k]);
+      const double offset = line.offset(x), beside = fade(std::abs(offset), kBeside, kBeside + 1.0);
+      all.push_back({x, bodies.body[k] == two.first ? 1.0 : -1.0, weight(x) * beside});
+      agree += all.back().weight * all.back().side * offset;
+    }
+    if (agree < 0.0)
+      for (Labelled& particle : all) particle.side = -particle.side;
+    return all;
+  }
+
+  /// Lies what is behind the start on the same sides of the line, to one spacing? From then on it counts too.
+  bool come_straight(const Two& two, const Line& line)
+  {
+    behind_ = true;
+    for (const Labelled& particle : labelled(two, line)) {
+      const double margin = particle.side * line.offset(particle.at);
+      behind_ = behind_ && (particle.weight == 0.0 || margin > -kSlack);
+    }
+    return behind_;
+  }
+
+  Bodies bodies;
 
 private:
   std::size_t number(const Site<2>& site) const
   {
-    return static_cast<std::size_t>(site[1] - lower_[1]) * static_cast<std::size_t>(upper_[0] - lower_[0] + 1) +
+    return static_cast<std::size_t>(site[1] - lower_[1]) * static_cast<std::size_t>(count_[0]) +
            static_cast<std::size_t>(site[0] - lower_[0]);
   }
-  Site<2> lower_, upper_;
-  std::vector<int> body_;
-};
+  int body(const Site<2>& site) const
+  {
+    for (std::size_t d = 0; d < 2; ++d)
+      if (site[d] < lower_[d] || site[d] >= lower_[d] + count_[d]) return -1;
+    return body_[number(site)];
+  }
 
-/// Half way from a site to the nearest particle of another body, to the middle of those that are equally near.
-std::optional<Vector<2>> half_way(const Labels& labels, const Site<2>& site, int other)
-{
-  Index nearest = kPairReach * kPairReach + 2;
-  Vector<2> sum = Vector<2>::Zero();
-  int count = 0;
-  for (Index j = -kPairReach; j <= kPairReach; ++j)
-    for (Index i = -kPairReach; i <= kPairReach; ++i) {
-      const Index square = i * i + j * j;
-      if (square > nearest || labels.of({site[0] + i, site[1] + j}) != other) continue;
-      if (square < nearest) {
-        nearest = square;
-        sum.setZero();
-        count = 0;
+  /// Half way from a site to the nearest particle of another body, to the middle of those that are equally near.
+  std::optional<Vector<2>> half_way(const Site<2>& site, int other) const
+  {
+    Index nearest = kPairReach * kPairReach;
+    Vector<2> sum = Vector<2>::Zero();
+    int count = 0;
+    for (Index j = -kPairReach; j <= kPairReach; ++j)
+      for (Index i = -kPairReach; i <= kPairReach; ++i) {
+        const Index square = i * i + j * j;
+        if (square > nearest || body({site[0] + i, site[1] + j}) != other) continue;
+        if (square < nearest) {
+          nearest = square;
+          sum.setZero();
+          count = 0;
+        }
+        sum += Vector<2>(i, j);
+        ++count;
       }
-      sum += Vector<2>(i, j);
-      ++count;
-    }
-  if (count == 0) return std::nullopt;
-  return middle_of(site) + 0.5 / count * sum;
-}
-
-double outside(const CellBox& cell, const Vector<2>& x)
-{
-  return (cell.lower - x).cwiseMax(x - cell.upper).cwiseMax(0.0).norm();
-}
-
-Line fitted(const std::vector<Midpoint>& points, const Vector<2>& heading)
-{
-  double weight = 0.0;
-  Vector<2> at = Vector<2>::Zero();
-  for (const Midpoint& p : points) {
-    weight += p.weight;
-    at += p.weight * p.at;
+    if (count == 0) return std::nullopt;
+    return middle_of(site) + 0.5 / count * sum;
   }
-  at /= weight;
-  double xx = 0.0, xy = 0.0, yy = 0.0;
-  for (const Midpoint& p : points) {
-    const Vector<2> from = p.at - at;
-    xx += p.weight * from[0] * from[0];
-    xy += p.weight * from[0] * from[1];
-    yy += p.weight * from[1] * from[1];
+
+  /// Full in the cell, fading outside; none behind the start, unless the crack came straight from there.
+  double weight(const Vector<2>& x) const
+  {
+    const double outside = (cell_.lower - x).cwiseMax(x - cell_.upper).cwiseMax(0.0).norm();
+    const double behind = -start_.along.dot(x - start_.at);
+    return (behind_ ? 1.0 : fade(behind, -0.5, 0.5)) * fade(outside, 0.0, kFade * horizon_);
   }
-  const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
-  Vector<2> along(std::cos(angle), std::sin(angle));
-  if (along.dot(heading) < 0.0) along = -along;
-  return {at, along};
-}
+
+  CellBox cell_;
+  Line start_;
+  double horizon_; // in spacings
+  bool behind_ = false;
+  Site<2> lower_{}, count_{};
+  std::vector<int> body_; // of the sites of the window
+};
 } // namespace
 
 std::optional<Parted> parted(const BondGraph& graph, const CellBox& cell, const Line& start, const Vector<2>& heading)
 {
-  const double horizon = graph.horizon() / graph.lattice().dx;
-  const Vector<2> border = Vector<2>::Constant(horizon);
-  Bodies bodies = bodies_in(graph, in_metres(graph.lattice(), CellBox{cell.lower - border, cell.upper + border}));
-  const auto two = two_bodies(bodies);
+  Window window(graph, cell, start);
+  const auto two = two_bodies(window.bodies);
   if (!two) return std::nullopt;
-  const Labels labels(bodies);
-  std::vector<Midpoint> points;
-  double weight = 0.0;
-  for (std::size_t k = 0; k < bodies.sites.size(); ++k) {
-    if (bodies.body[k] != two->first && bodies.body[k] != two->second) continue;
-    const int other = bodies.body[k] == two->first ? two->second : two->first;
-    const auto at = half_way(labels, bodies.sites[k], other);
-    if (!at) continue;
-    const double ahead = fade(-start.along.dot(*at - start.at), -0.5, 0.5);
-    points.push_back({*at, ahead * fade(outside(cell, *at), 0.0, horizon)});
-    weight += points.back().weight;
-  }
-  if (weight < 1.0) return std::nullopt;
-  return Parted{std::move(bodies), fitted(points, heading)};
+  const Cloud cloud = window.midpoints(*two);
+  if (cloud.weight < kFewest) return std::nullopt;
+  Line line = cloud.line();
+  if (line.along.dot(heading) < 0.0) line.along = -line.along;
+  if (line.along.dot(heading) < kTurn) return std::nullopt;
+  line = soft_line(window.labelled(*two, line), line, {});
+  if (window.come_straight(*two, line)) line = soft_line(window.labelled(*two, line), line, {});
+  return Parted{std::move(window.bodies), line};
 }
 
 bool parts_along(const BondGraph& graph, const Bodies& bodies, const CellBox& cell, const Line& line)
