@@ -1,0 +1,267 @@
+#include "pdx/track/follow.hpp"
+
+#include "crack_ahead.hpp"
+#include "parted_cell.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace pdx::track {
+namespace {
+constexpr double kSnap = 1e-3; // of an edge: what is nearer to a corner or a line of the mesh is on it
+constexpr double kAside =
+    0.5; // spacings: a path that misses a cell by passing beyond a corner this near is on the corner
+constexpr double kAlong = 0.25; // slope up to which a line that misses a cell beside it is taken to run along its side
+
+/// Cells in spacings, found by place.
+class Cells {
+public:
+  Cells(const geom::Lattice<2>& lattice, std::span<const geom::Box<2>> boxes)
+  {
+    for (const geom::Box<2>& box : boxes) {
+      cells_.push_back(in_spacings(lattice, box));
+      pitch_ = std::max(pitch_, cells_.back().size().maxCoeff());
+    }
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      const auto [first, last] = std::pair(place(cells_[c].lower), place(cells_[c].upper));
+      for (Index j = first.second; j <= last.second; ++j)
+        for (Index i = first.first; i <= last.first; ++i) at_[{i, j}].push_back(c);
+    }
+  }
+  const CellBox& operator[](std::size_t cell) const { return cells_[cell]; }
+
+  /// All cells that have a point in them or on their border, or not farther than `margin`.
+  std::vector<std::size_t> around(const Vector<2>& x, double margin = 0.0) const
+  {
+    std::set<std::size_t> found;
+    for (int k = 0; k < 4; ++k) {
+      const auto here = at_.find(place(CellBox{x.array() - margin, x.array() + margin}.corner(k)));
+      if (here == at_.end()) continue;
+      for (const std::size_t c : here->second)
+        if (CellBox{cells_[c].lower.array() - margin, cells_[c].upper.array() + margin}.holds(x)) found.insert(c);
+    }
+    return {found.begin(), found.end()};
+  }
+
+private:
+  std::pair<Index, Index> place(const Vector<2>& x) const
+  {
+    return {static_cast<Index>(std::floor(x[0] / pitch_)), static_cast<Index>(std::floor(x[1] / pitch_))};
+  }
+  std::vector<CellBox> cells_;
+  double pitch_ = 1.0;
+  std::map<std::pair<Index, Index>, std::vector<std::size_t>> at_;
+};
+
+/// Does a path at x, in the cell or on its border, go on into it? Along a side it is in the cell on its right.
+bool leads_into(const CellBox& cell, const Vector<2>& x, const Vector<2>& along)
+{
+  const Vector<2> right = -left_of(along);
+  for (int d = 0; d < 2; ++d) {
+    const double inwards = x[d] == cell.lower[d] ? 1.0 : x[d] == cell.upper[d] ? -1.0 : 0.0;
+    if (inwards == 0.0) continue;
+    if (inwards * (std::abs(along[d]) > kSnap ? along[d] : right[d]) <= 0.0) return false;
+  }
+  return true;
+}
+
+/// Where a line leaves a cell; the nearest corner if it does not meet it.
+Vector<2> way_out(const CellBox& cell, const Line& line)
+{
+  double first = -std::numeric_limits<double>::infinity(), last = std::numeric_limits<double>::infinity();
+  int side = 0;
+  bool meets = true;
+  for (int d = 0; d < 2; ++d) {
+    if (line.along[d] == 0.0) {
+      meets = meets && line.at[d] >= cell.lower[d] && line.at[d] <= cell.upper[d];
+      continue;
+    }
+    const bool up = line.along[d] > 0.0;
+    const double in = ((up ? cell.lower : cell.upper)[d] - line.at[d]) / line.along[d];
+    const double out = ((up ? cell.upper : cell.lower)[d] - line.at[d]) / line.along[d];
+    first = std::max(first, in);
+    if (out < last) {
+      last = out;
+      side = d;
+    }
+  }
+  if (meets && first <= last) {
+    Vector<2> x = (line.at + last * line.along).cwiseMax(cell.lower).cwiseMin(cell.upper);
+    x[side] = (line.along[side] > 0.0 ? cell.upper : cell.lower)[side];
+    return x;
+  }
+  const auto farther = [&](const Vector<2>& a, const Vector<2>& b) { // of equally near ones the one ahead
+    const double more = std::abs(line.offset(a)) - std::abs(line.offset(b));
+    return std::abs(more) > kSnap * cell.edge() ? more > 0.0 : line.along.dot(a - b) < 0.0;
+  };
+  const std::array<Vector<2>, 4> corners{cell.corner(0), cell.corner(1), cell.corner(2), cell.corner(3)};
+  return *std::ranges::max_element(corners, farther);
+}
+
+class Follower {
+public:
+  Follower(const BondGraph& graph, std::span<const geom::Box<2>> boxes, const Line& start)
+      : graph_(graph), boxes_(boxes), cells_(graph.lattice(), boxes), start_(start)
+  {
+    snap_start();
+  }
+
+  Followed all()
+  {
+    while (next()) {
+    }
+    Followed followed;
+    for (const auto& [cell, out] : crossed_) followed.crossings.push_back({cell, Vector<2>(), metres(out, cell)});
+    const auto first = crossed_.empty() ? cells_.around(now_.at) : std::vector{crossed_[0].first};
+    Vector<2> end = first.empty() ? in_metres(graph_.lattice(), start_.at) : metres(start_.at, first[0]);
+    for (Crossing& crossing : followed.crossings) {
+      crossing.in = end;
+      end = crossing.out;
+    }
+    const Line tip = tip_ahead(graph_, now_);
+    followed.tip = tip.at == now_.at ? end : in_metres(graph_.lattice(), tip.at);
+    followed.direction = tip.along;
+    return followed;
+  }
+
+private:
+  using Tried = std::set<std::size_t>;
+
+  /// What is next to a corner is on it; what is next to a line of the mesh is on the line.
+  void snap_start()
+  {
+    for (const std::size_t c : cells_.around(start_.at, 1.0)) {
+      const CellBox& cell = cells_[c];
+      const double near = kSnap * cell.edge();
+      for (int d = 0; d < 2; ++d)
+        for (const double line : {cell.lower[d], cell.upper[d]})
+          if (std::abs(start_.at[d] - line) <= near) start_.at[d] = line;
+    }
+    now_ = start_;
+  }
+
+  /// Goes on through one cell that is parted wholly. Is there one?
+  bool next()
+  {
+    const Line here = now_;
+    Tried tried;
+    for (const auto& [cell, out] : crossed_) tried.insert(cell);
+    bool missed = false;
+    for (auto cell = into(tried); cell; cell = into(tried)) {
+      tried.insert(*cell);
+      const auto found = parted(graph_, cells_[*cell], start_, now_.along);
+      const auto out = found ? leave(*cell, found->line) : std::nullopt;
+      if (!found || (out && !go(*cell, *found, *out))) {
+        now_.along = here.along;
+        return false;
+      }
+      if (out) return true;
+      now_.along = found->line.along; // it misses the cell
+      missed = true;
+      step_aside(cells_[*cell]);
+    }
+    if (missed && along_side()) return true;
+    now_.along = here.along;
+    return false;
+  }
+
+  std::optional<std::size_t> into(const Tried& tried) const
+  {
+    for (const std::size_t c : cells_.around(now_.at))
+      if (!tried.contains(c) && leads_into(cells_[c], now_.at, now_.along)) return c;
+    return std::nullopt;
+  }
+
+  /// Where the path leaves the cell, put on corners; none if it does not go on in it.
+  std::optional<Vector<2>> leave(std::size_t number, const Line& line) const
+  {
+    const CellBox& cell = cells_[number];
+    const double near = kSnap * cell.edge();
+    Vector<2> out = way_out(cell, line);
+    const Vector<2> way = out - now_.at;
+    for (int k = 0; k < 4; ++k) { // passed on the way
+      const Vector<2> corner = cell.corner(k), to = corner - now_.at;
+      if (to.norm() > near && to.dot(way) > 0.0 && to.dot(way) < way.squaredNorm() &&
+          std::abs(cross(way, to)) <= near * way.norm() && to.norm() < (out - now_.at).norm())
+        out = corner;
+    }
+    for (const std::size_t c : cells_.around(out))
+      for (int k = 0; k < 4; ++k)
+        if ((cells_[c].corner(k) - out).norm() <= near) out = cells_[c].corner(k);
+    if ((out - now_.at).dot(line.along) <= near) return std::nullopt;
+    for (int d = 0; d < 2; ++d) // beside the cell
+      if (out[d] == now_.at[d] && (out[d] == cell.lower[d] || out[d] == cell.upper[d]) &&
+          std::abs(line.along[d]) > 2.0 * kSnap)
+        return std::nullopt;
+    return out;
+  }
+
+  bool go(std::size_t cell, const Parted& found, const Vector<2>& out)
+  {
+    const Vector<2> way = out - now_.at;
+    const Line chord = way.norm() < 1.0 ? found.line : Line{now_.at, way.normalized()};
+    if (!parts_along(graph_, found.bodies, cells_[cell], chord)) return false;
+    now_ = {out, found.line.along};
+    crossed_.emplace_back(cell, out);
+    return true;
+  }
+
+  /// From beside a corner of a cell that the path does not enter, onto the corner.
+  void step_aside(const CellBox& missed)
+  {
+    const bool first = crossed_.empty();
+    for (int k = 0; k < 4; ++k) {
+      const Vector<2> corner = missed.corner(k);
+      if ((corner - now_.at).norm() > kAside || !(first || cells_[crossed_.back().first].holds(corner))) continue;
+      now_.at = corner;
+      if (!first) crossed_.back().second = corner;
+      return;
+    }
+  }
+
+  /// Where the lines of the cells on either side of a mesh line miss them, the path is the mesh line.
+  bool along_side()
+  {
+    const int axis = std::abs(now_.along[0]) > std::abs(now_.along[1]) ? 0 : 1;
+    if (std::abs(now_.along[1 - axis]) > kAlong) return false;
+    now_.along = (now_.along[axis] > 0.0 ? 1.0 : -1.0) * Vector<2>::Unit(axis);
+    Tried tried;
+    for (const auto& [cell, out] : crossed_) tried.insert(cell);
+    const auto cell = into(tried);
+    if (!cell) return false;
+    const CellBox& box = cells_[*cell];
+    if (now_.at[1 - axis] != box.lower[1 - axis] && now_.at[1 - axis] != box.upper[1 - axis]) return false;
+    const auto found = parted(graph_, box, start_, now_.along);
+    Vector<2> out = now_.at;
+    out[axis] = (now_.along[axis] > 0.0 ? box.upper : box.lower)[axis];
+    const auto far = [&](const Vector<2>& x) { return std::abs(found->line.offset(x)) > kAside; };
+    if (!found || far(now_.at) || far(out)) return false;
+    return go(*cell, *found, out);
+  }
+
+  /// Of a point in a cell or on its border: what is on a side is on it exactly.
+  Vector<2> metres(const Vector<2>& x, std::size_t cell) const
+  {
+    Vector<2> y = in_metres(graph_.lattice(), x);
+    for (int d = 0; d < 2; ++d) {
+      if (x[d] == cells_[cell].lower[d]) y[d] = boxes_[cell].lower[d];
+      if (x[d] == cells_[cell].upper[d]) y[d] = boxes_[cell].upper[d];
+    }
+    return y;
+  }
+
+  const BondGraph& graph_;
+  std::span<const geom::Box<2>> boxes_;
+  Cells cells_;
+  Line start_, now_;
+  std::vector<std::pair<std::size_t, Vector<2>>> crossed_; // cells and where they are left, in spacings
+};
+} // namespace
+
+Followed follow(const BondGraph& graph, std::span<const geom::Box<2>> cells, const Vector<2>& from,
+                const Vector<2>& direction)
+{
+  return Follower(graph, cells, {in_spacings(graph.lattice(), from), direction.normalized()}).all();
+}
+} // namespace pdx::track
