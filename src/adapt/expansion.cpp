@@ -12,20 +12,19 @@ namespace {
 constexpr double kFits = 1e-6; // of a spacing, for sides of elements on lines of the lattice
 constexpr double kSame = 1e-9; // of a distance: what is as far to rounding is judged alike
 
-/// Damage next to the interface.
+/// New damage next to the interface.
 struct Front {
   Index patch;
   std::array<double, 2> x; // [m]
 };
 
-std::vector<Front> fronts(const SceneView& scene, std::span<const Reaches> reaches)
+std::vector<Front> fronts(const SceneView& scene, std::span<const Reaches> reaches, const std::vector<bool>& news)
 {
-  const couple::ParticleDamage all = couple::particle_damage(scene.halo.rows(), scene.bonds, scene.carried);
   std::vector<Front> mine;
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
     const pd::Particle& p = scene.particles[k];
     const auto patch = static_cast<std::size_t>(p.patch);
-    if (all.damage[k] > kBroken && scene.around[patch].distance(p.x) < (1.0 - kSame) * reaches[patch].critical)
+    if (news[k] && scene.around[patch].distance(p.x) < (1.0 - kSame) * reaches[patch].critical)
       mine.push_back({p.patch, {p.x[0], p.x[1]}});
   }
   return gather_all(scene.mesh.comm(), mine);
@@ -137,9 +136,10 @@ bool can_expand(const SceneView& scene)
   return any_rank(scene.mesh.comm(), any);
 }
 
-std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches, bool spare_held)
+std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches,
+                                           const std::vector<bool>& news, bool spare_held)
 {
-  const std::vector<Front> damage = fronts(scene, reaches);
+  const std::vector<Front> damage = fronts(scene, reaches, news);
   if (damage.empty()) return {};
   const mesh::Mesh& mesh = scene.mesh;
   const HeldCells held(scene, spare_held);

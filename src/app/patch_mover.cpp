@@ -90,7 +90,7 @@ adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const PatchP
   if (!more) return {};
   const Timed timed(event);
   adapt::LayoutChange change;
-  change.cover = adapt::expansion(scene, reaches(scene, plan), options_.time.dynamic());
+  change.cover = adapt::expansion(scene, reaches(scene, plan), seen_.news(scene), options_.time.dynamic());
   if (!change.cover.empty()) ++expansions_;
   return change;
 }

@@ -112,7 +112,7 @@ public:
     while (next()) {
     }
     Followed followed;
-    for (const auto& [cell, out] : crossed_) followed.crossings.push_back({cell, Vector<2>(), metres(out, cell)});
+    for (const auto& [cell, out] : crossed_) followed.crossings.push_back({cell, Vector<2>::Zero(), metres(out, cell)});
     const auto first = crossed_.empty() ? cells_.around(now_.at) : std::vector{crossed_[0].first};
     Vector<2> end = first.empty() ? in_metres(graph_.lattice(), start_.at) : metres(start_.at, first[0]);
     for (Crossing& crossing : followed.crossings) {

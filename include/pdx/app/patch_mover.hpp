@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/adapt/contraction.hpp"
 #include "pdx/adapt/expansion.hpp"
+#include "pdx/adapt/seen_damage.hpp"
 #include "pdx/app/patches.hpp"
 
 namespace pdx::app {
@@ -33,6 +34,7 @@ private:
 
   const SceneOptions& options_;
   std::int64_t broken_ = 0; // at the last look, this rank
+  adapt::SeenDamage seen_;
   int expansions_ = 0;      // since the last contraction
 };
 } // namespace pdx::app

@@ -1,0 +1,16 @@
+#pragma once
+#include "pdx/adapt/scene_view.hpp"
+
+#include <unordered_map>
+
+namespace pdx::adapt {
+/// The damage of particles when it was last looked at, by name: what a crack leaves behind it is no news.
+class SeenDamage {
+public:
+  /// Per owned particle: did it lose bonds since it was seen last? All are seen then. Collective.
+  std::vector<bool> news(const SceneView& scene);
+
+private:
+  std::unordered_map<std::uint64_t, double> damage_; // of what is damaged, by the name of a site
+};
+} // namespace pdx::adapt
