@@ -129,11 +129,11 @@ FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::si
 {
   FreshRows fresh;
   const mesh::Mesh& mesh = scene.mesh;
-  const std::size_t cracks = change.cracks ? change.cracks->size() : 0;
   for (Index v = 0; v < mesh.owned_vertices(); ++v) {
     if (!geom::hold(change.uncover, mesh.point(v))) continue;
-    const auto known = scene.sets->of(v);
-    for (int crack = 0; crack < static_cast<int>(cracks); ++crack)
+    const std::span<const xfem::EnrichedSet> known =
+        scene.sets ? scene.sets->of(v) : std::span<const xfem::EnrichedSet>();
+    for (int crack = 0; scene.sets && crack < scene.sets->cracks().size(); ++crack)
       if (std::ranges::find(known, crack, &xfem::EnrichedSet::crack) == known.end())
         fresh.names.push_back(field::RowName::set(mesh.natural_vertex(v), crack));
   }

@@ -192,7 +192,7 @@ private:
       field::State moving = move.moving();
       const std::vector<double> is_new = move.came_after(known);
       const std::span<double> fields[] = {moving.u, moving.v};
-      if (change_.cracks) adapt::fit_sets(scene_->view(), left, is_new, fields);
+      if (!change_.uncover.empty()) adapt::fit_sets(scene_->view(), left, is_new, fields);
       keep_momentum(is_new, momentum, moving.v);
       driver_->resume_changed(clock, moving);
     } else
