@@ -182,9 +182,11 @@ void Checkpoints::begin(const Standing& scene, const Layout& layout, solve::Time
   const NamedState state = read_tables(files_.comm(), *from_, scene.model->system.rows.dim);
   const StateMove move(state, scene);
   from_->require(move.misfit().table, move.misfit().why);
+  std::optional<CrackNotes> cracks = move.cracks();
+  const bool strange = cracks && recorder.cracks() && !recorder.cracks()->knows(*cracks);
+  from_->require("/crack_arrivals", strange ? "names a particle that is not there" : "");
   move.break_bonds();
   driver.resume(clock, move.moving());
-  std::optional<CrackNotes> cracks = move.cracks();
   if (cracks && recorder.cracks()) recorder.cracks()->take_notes(std::move(*cracks));
   from_.reset();
   recorder.take_notes(head_);

@@ -147,12 +147,12 @@ double potential(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan&
 }
 } // namespace
 
-double length_inside(const Model& scene, int crack)
+double length_inside(const crack::CrackSet& cracks, int crack, const geom::Box<2>& body)
 {
   double length = 0.0;
-  const crack::Polyline& p = scene.cracks.points(crack);
+  const crack::Polyline& p = cracks.points(crack);
   for (std::size_t k = 0; k + 1 < p.size(); ++k)
-    if (const auto part = geom::clip<2>(p[k], p[k + 1], scene.body))
+    if (const auto part = geom::clip<2>(p[k], p[k + 1], body))
       length += (part->leave - part->enter) * (p[k + 1] - p[k]).norm();
   return length;
 }
@@ -193,7 +193,7 @@ CrackState crack_state(const Discretisation& d)
   const std::size_t tips = d.cracks.tips().size();
   state.first_intact.assign(tips, 0.0);
   state.farthest_broken.assign(tips, 0.0);
-  for (int k = 0; k < d.cracks.size(); ++k) state.length += length_inside(d, k);
+  for (int k = 0; k < d.cracks.size(); ++k) state.length += length_inside(d.cracks, k, d.body);
   if (!d.bonds) return state;
   for (const track::TipGrowth& growth : track::crack_growth(d.system.rows.comm, d.bonds->parts(), d.cracks, &d.seams)) {
     state.first_intact[growth.tip] = growth.first_intact;

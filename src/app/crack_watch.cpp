@@ -1,6 +1,7 @@
 #include "pdx/app/crack_watch.hpp"
 
 #include "pdx/app/crack_results.hpp"
+#include "pdx/app/layout.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/law/waves.hpp"
 
@@ -16,18 +17,50 @@ geom::Lattice<2> plane_of(const geom::Lattice<3>& lattice)
   return {lattice.origin.head<2>(), lattice.dx, {lattice.count[0], lattice.count[1]}};
 }
 
-std::vector<track::TreeGround> grounds_of(const Standing& scene)
+/// The middle layer, whose sites have the names of the solid.
+track::TreeGround middle_of(const pd::LatticePart<3>& part)
+{
+  const geom::Lattice<3>& lattice = part.lattice();
+  const geom::Lattice<2> plane = plane_of(lattice);
+  const std::int64_t before = std::int64_t{lattice.count[2] / 2} * lattice.count[1]; // rows of other layers
+  return {plane, part.stencil().horizon, {{0, before}, lattice.count[0], 0, 1}};
+}
+
+/// What is active on either of two pieces of one lattice, as the first counts its sites.
+geom::SiteSet<2> united(const track::TreeGround& ground, const couple::PatchShape& shape)
+{
+  std::vector<geom::SiteSet<2>::Corners> boxes;
+  const auto add = [&boxes](const geom::SiteSet<2>& set, const Site<2>& shift) {
+    for (const geom::SiteRun<2>& run : set.runs()) {
+      const Site<2> first{run.first[0] + shift[0], run.first[1] + shift[1]};
+      boxes.push_back({first, {first[0] + run.length, first[1] + 1}});
+    }
+  };
+  const auto away = [&](std::size_t d) { return static_cast<Index>(shape.names.first[d] - ground.names.first[d]); };
+  add(ground.where.active, {0, 0});
+  add(shape.active, {away(0), away(1)});
+  return geom::SiteSet<2>(boxes);
+}
+
+/// The lattices that particles of a scene lie on, each once.
+std::vector<track::TreeGround> grounds_of(const SceneOptions& options)
 {
   std::vector<track::TreeGround> grounds;
-  if (scene.solid) {
-    const pd::LatticePart<3>& part = *scene.solid->bonds->parts()[0];
-    return {{plane_of(part.lattice()), part.stencil().horizon}};
-  }
-  for (std::size_t p = 0; p < scene.plan->shapes.size(); ++p) {
-    const couple::PatchShape& shape = scene.plan->shapes[p];
-    grounds.push_back({{shape.lattice, shape.active}, scene.plan->stencils[p].horizon});
+  for (const couple::PatchShape& shape : patch_shapes(options)) {
+    const auto known = std::ranges::find_if(
+        grounds, [&](const track::TreeGround& ground) { return ground.names.lattice == shape.names.lattice; });
+    if (known == grounds.end())
+      grounds.push_back({{shape.lattice, shape.active}, options.pd.horizon_ratio * shape.lattice.dx, shape.names});
+    else
+      known->where.active = united(*known, shape);
   }
   return grounds;
+}
+
+std::vector<track::TreeGround> grounds_of(const RunFiles& files)
+{
+  if (files.scene.solid) return {middle_of(*files.scene.solid->bonds->parts()[0])};
+  return grounds_of(Layout::given(files.options).in(files.options));
 }
 
 /// From the crack's direction to the way from its old tip to the new one; left is positive.
@@ -62,19 +95,17 @@ nlohmann::ordered_json describe(const track::GrownTip& tip, const crack::Tip& fr
 } // namespace
 
 CrackWatch::CrackWatch(const RunFiles& files)
-    : files_(files),
-      tracker_(files.comm(), files.scene.model->cracks.tips(), grounds_of(files.scene), files.options.post.tip_damage)
+    : files_(files), given_(cracks_in(files.options, files.scene.model->body)),
+      tracker_(files.comm(), given_.tips(), grounds_of(files), files.options.post.tip_damage)
 {
-  const Model& d = *files.scene.model;
-  for (int k = 0; k < d.cracks.size(); ++k) given_ += length_inside(d, k);
+  for (int k = 0; k < given_.size(); ++k) given_length_ += length_inside(given_, k, files.scene.model->body);
 }
 
 std::unique_ptr<CrackWatch> CrackWatch::make(const RunFiles& files)
 {
-  const Model& d = *files.scene.model;
-  if (!d.breaker || files.scene.cloud) return nullptr; // tips are found on lattices
+  if (!files.scene.model->breaker || files.scene.cloud) return nullptr; // tips are found on lattices
   std::unique_ptr<CrackWatch> watch(new CrackWatch(files));
-  for (std::size_t t = 0; t < d.cracks.tips().size(); ++t)
+  for (std::size_t t = 0; t < watch->given_.tips().size(); ++t)
     if (watch->tracker_.tree().span(t) > 0.0) return watch;
   return nullptr;
 }
@@ -87,7 +118,7 @@ void CrackWatch::columns(std::vector<io::Column>& columns)
 void CrackWatch::row(std::vector<double>& row) const
 {
   const track::CrackNow& now = tracker_.now();
-  row.insert(row.end(), {given_ + now.grown, now.speed, static_cast<double>(now.tips)});
+  row.insert(row.end(), {given_length_ + now.grown, now.speed, static_cast<double>(now.tips)});
 }
 
 void CrackWatch::look(double time, std::int64_t bonds_broken)
@@ -98,25 +129,27 @@ void CrackWatch::look(double time, std::int64_t bonds_broken)
   const Discretisation& d = *files_.scene.d;
   couple::ParticleDamage damage = couple::particle_damage(d.system.rows, *d.bonds, d.carried);
   for (std::size_t k = 0; k < damage.damage.size(); ++k) damage.damage[k] += damage.precrack[k];
-  tracker_.look(time, d.particles, damage.damage);
+  tracker_.look(time, damage.damage, [&](std::size_t k) {
+    const pd::Particle& particle = d.particles[k];
+    const couple::PatchShape& shape = files_.scene.plan->shapes[static_cast<std::size_t>(particle.patch)];
+    return shape.names.of(shape.active.site(particle.site));
+  });
 }
 
 void CrackWatch::look_at_layer(double time)
 {
   const Solid& solid = *files_.scene.solid;
   const geom::Lattice<3>& lattice = solid.bonds->parts()[0]->lattice();
-  const geom::Lattice<2> plane = plane_of(lattice);
   const couple::ParticleDamage all = couple::particle_damage<3>(solid.system.rows, *solid.bonds, nullptr);
-  std::vector<pd::Particle> layer;
+  std::vector<std::uint64_t> layer;
   std::vector<double> damage;
   for (std::size_t k = 0; k < solid.particles.size(); ++k) {
     const Site<3> site = lattice.site(solid.particles[k].site);
     if (site[2] != lattice.count[2] / 2) continue;
-    layer.push_back(solid.particles[k]);
-    layer.back().site = static_cast<Index>(plane.number({site[0], site[1]}));
+    layer.push_back(static_cast<std::uint64_t>(solid.particles[k].site));
     damage.push_back(all.damage[k] + all.precrack[k]);
   }
-  tracker_.look(time, layer, damage);
+  tracker_.look(time, damage, [&](std::size_t k) { return layer[k]; });
 }
 
 std::optional<CrackNotes> CrackWatch::notes() const
@@ -131,9 +164,19 @@ void CrackWatch::take_notes(CrackNotes notes)
   tracker_.resume(std::move(notes.tracker));
 }
 
+bool CrackWatch::knows(const CrackNotes& notes) const
+{
+  const PdOptions& pd = files_.options.pd;
+  const double layer = pd.horizon_ratio * *std::ranges::max_element(pd.spacing); // particles held outside the body
+  return std::ranges::all_of(notes.tracker.arrivals, [&](const track::Arrival& arrival) {
+    const std::optional<Vector<2>> at = tracker_.tree().place(arrival.site);
+    return at && files_.scene.model->body.contains(*at, layer);
+  });
+}
+
 void CrackWatch::write_results(nlohmann::ordered_json& results) const
 {
-  const std::span<const crack::Tip> given = files_.scene.model->cracks.tips();
+  const std::span<const crack::Tip> given = given_.tips();
   const track::CrackTree& tree = tracker_.tree();
   const double limit = law::rayleigh_speed(files_.options.elastic);
   const geom::Frame& frame = files_.options.frame;
@@ -147,7 +190,7 @@ void CrackWatch::write_results(nlohmann::ordered_json& results) const
     if (!tip.path.empty() && (!longest || tip.length > longest->length)) longest = &tip;
     if (tip.branched && (!branch || tip.branched->time < branch->time)) branch = &*tip.branched;
   }
-  results["crack_length"] = given_ + tracker_.now().grown;
+  results["crack_length"] = given_length_ + tracker_.now().grown;
   if (const auto start = tree.start_time()) results["crack_start_time"] = *start;
   if (longest) results["crack_angle_degrees"] = angle_degrees(given[longest->start], longest->at);
   if (branch) {

@@ -45,7 +45,7 @@ NamedCracks named(const CrackNotes& notes, const SceneNames& names)
   const track::CrackTracker::State& tracker = notes.tracker;
   NamedCracks cracks{notes.bonds_broken, tracker.time, tracker.largest_speed, {}, {}, tracker.per_look, {}};
   for (const track::Arrival& arrival : tracker.arrivals) {
-    cracks.arrivals.push_back(names.arrival(arrival.patch, arrival.site));
+    cracks.arrivals.push_back(field::RowName::particle(arrival.site));
     cracks.arrival_times.push_back(arrival.time);
   }
   cracks.damage.assign(names.particles().size(), 0.0);
@@ -60,10 +60,8 @@ NamedCracks named(const CrackNotes& notes, const SceneNames& names)
 CrackNotes placed(const NamedCracks& cracks, std::span<const double> damage, const SceneNames& names)
 {
   CrackNotes notes{cracks.bonds_broken, {cracks.time, cracks.largest_speed, {}, cracks.per_look, {}}};
-  for (std::size_t k = 0; k < cracks.arrivals.size(); ++k) {
-    const SceneNames::Place at = names.arrival_at(cracks.arrivals[k]).value();
-    notes.tracker.arrivals.push_back({at.patch, at.site, cracks.arrival_times[k]});
-  }
+  for (std::size_t k = 0; k < cracks.arrivals.size(); ++k)
+    notes.tracker.arrivals.push_back({cracks.arrivals[k].key(), cracks.arrival_times[k]});
   for (std::size_t k = 0; k < damage.size(); ++k)
     if (names.is_watched(k)) notes.tracker.damage.push_back(damage[k]);
   return notes;
@@ -159,9 +157,8 @@ Misfit StateMove::misfit_of() const
   if (breaks(scene_) && scene_.d && scene_.d->carried && !state_.carried)
     return {"/broken_carried_bonds", "is missing"};
   if (!state_.cracks) return {};
-  const auto known = [&](field::RowName name) { return names_.arrival_at(name).has_value(); };
-  if (!std::ranges::all_of(state_.cracks->arrivals, known))
-    return {"/crack_arrivals", "names a particle that is not there"};
+  const auto particle = [](field::RowName name) { return name.kind() == field::RowName::Kind::particle; };
+  if (!std::ranges::all_of(state_.cracks->arrivals, particle)) return {"/crack_arrivals", "names what is no particle"};
   const bool early = std::ranges::any_of(state_.cracks->arrival_times, [](double time) { return time < 0.0; });
   return {"/crack_arrival_times", early ? "has a time before 0 s" : ""};
 }

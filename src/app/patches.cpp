@@ -104,9 +104,10 @@ std::array<Index, 2> background_cells(const geom::Lattice<2>& lattice)
   return cells;
 }
 
-PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh)
+namespace {
+/// Shapes, entries and body. @param mesh its box grows by layers
+void lay_shapes(const SceneOptions& options, mesh::MeshOptions& mesh, PatchPlan& plan)
 {
-  PatchPlan plan;
   plan.body = mesh.box;
   if (options.pd.everywhere) {
     (void)lattice_in<2>(mesh.box, options.pd.spacing[0]); // the body itself must fit
@@ -118,6 +119,21 @@ PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh)
     for (const std::vector<std::size_t>& entries : plan.entries) plan.shapes.push_back(join_boxes(options, entries));
   }
   name_sites(plan.shapes, plan.body, options.pd.anchors);
+}
+} // namespace
+
+std::vector<couple::PatchShape> patch_shapes(const SceneOptions& options)
+{
+  mesh::MeshOptions mesh = options.mesh;
+  PatchPlan plan;
+  lay_shapes(options, mesh, plan);
+  return std::move(plan.shapes);
+}
+
+PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh)
+{
+  PatchPlan plan;
+  lay_shapes(options, mesh, plan);
   for (const couple::PatchShape& shape : plan.shapes) {
     const double dx = shape.lattice.dx;
     try {

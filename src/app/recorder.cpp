@@ -88,7 +88,7 @@ void Recorder::write_history(const solve::Step& step)
   if (files_.grows()) {
     const CrackState crack = crack_state(*d_);
     const bool tip = !crack.first_intact.empty(); // the columns are those of the first tip
-    const double first = tip ? length_inside(*d_, d_->cracks.tips()[0].crack) : 0.0;
+    const double first = tip ? length_inside(d_->cracks, d_->cracks.tips()[0].crack, d_->body) : 0.0;
     row.insert(row.end(),
                {balance.energies.dissipated, static_cast<double>(step.passes),
                 static_cast<double>(d_->fracture->broken()), crack.length, tip ? first + crack.first_intact[0] : first,

@@ -42,33 +42,6 @@ field::RowName SceneNames::particle(Index patch, Index site) const
   return field::RowName::particle(shape.names.of(shape.active.site(site)));
 }
 
-field::RowName SceneNames::arrival(Index patch, Index site) const
-{
-  if (!scene_.solid) return particle(patch, site);
-  const geom::Lattice<3>& lattice = lattice_of(*scene_.solid);
-  const Index column = site % lattice.count[0], row = site / lattice.count[0];
-  return particle(patch, static_cast<Index>(lattice.number({column, row, middle_of(lattice)})));
-}
-
-std::optional<SceneNames::Place> SceneNames::arrival_at(field::RowName name) const
-{
-  if (name.kind() != field::RowName::Kind::particle) return std::nullopt;
-  if (scene_.solid) {
-    const geom::Lattice<3>& lattice = lattice_of(*scene_.solid);
-    if (name.key() >= static_cast<std::uint64_t>(lattice.total())) return std::nullopt;
-    const Site<3> site = lattice.site(static_cast<Index>(name.key()));
-    if (site[2] != middle_of(lattice)) return std::nullopt;
-    return Place{0, site[0] + lattice.count[0] * site[1]};
-  }
-  for (std::size_t p = 0; scene_.plan && p < scene_.plan->shapes.size(); ++p) {
-    const couple::PatchShape& shape = scene_.plan->shapes[p];
-    const auto site = shape.names.site(name.key());
-    if (site && shape.active.has(*site))
-      return Place{static_cast<Index>(p), static_cast<Index>(shape.active.place(*site))};
-  }
-  return std::nullopt;
-}
-
 bool SceneNames::is_watched(std::size_t k) const
 {
   if (!scene_.solid) return true;

@@ -24,14 +24,15 @@ CrackTracker::CrackTracker(MPI_Comm comm, std::span<const crack::Tip> tips, std:
   now_.tips = static_cast<int>(tips_.size());
 }
 
-void CrackTracker::look(double time, std::span<const pd::Particle> particles, std::span<const double> damage)
+void CrackTracker::look(double time, std::span<const double> damage, const NameOf& name)
 {
   std::vector<Arrival> mine;
   for (std::size_t k = 0; k < before_.size(); ++k) {
     const double near = threshold_ - kDamageRounding;
     if (damage[k] < near || before_[k] >= near || before_[k] < 0.0) continue;
+    if (tree_.has(name(k))) continue; // it was gone, and came again
     const double share = std::min(1.0, (threshold_ - before_[k]) / (damage[k] - before_[k]));
-    mine.push_back({particles[k].patch, particles[k].site, time_ + share * (time - time_)});
+    mine.push_back({name(k), time_ + share * (time - time_)});
   }
   before_.assign(damage.begin(), damage.end());
   std::vector<Arrival> all = gather_all(comm_, mine);

@@ -5,6 +5,7 @@
 #include <map>
 #include <queue>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 namespace pdx::track {
@@ -47,9 +48,18 @@ CrackTree::CrackTree(std::vector<CrackStart> starts, std::vector<TreeGround> gro
   }
 }
 
-std::uint64_t CrackTree::key(Index patch, Index site) const
+std::optional<CrackTree::Seat> CrackTree::seat(std::uint64_t site) const
 {
-  return static_cast<std::uint64_t>(patch) << 32 | static_cast<std::uint32_t>(site);
+  for (const TreeGround& ground : grounds_)
+    if (const auto found = ground.names.site(site)) return Seat{&ground, *found};
+  return std::nullopt;
+}
+
+std::optional<Vector<2>> CrackTree::place(std::uint64_t site) const
+{
+  const std::optional<Seat> found = seat(site);
+  if (!found) return std::nullopt;
+  return found->ground->where.lattice.point(found->site);
 }
 
 double CrackTree::equal(const Point& point) const
@@ -82,23 +92,26 @@ void CrackTree::seed(Point& point, const TreeGround& ground)
 
 int CrackTree::insert(const Arrival& arrival)
 {
-  const TreeGround& ground = grounds_[static_cast<std::size_t>(arrival.patch)];
-  const Site<2> site = ground.where.active.site(arrival.site);
+  const std::optional<Seat> found = seat(arrival.site);
+  if (!found) throw std::logic_error("damage came to a particle of no lattice");
+  const auto& [where, horizon, names] = *found->ground;
+  const Site<2> site = found->site;
   const int number = static_cast<int>(points_.size());
   Point point;
-  point.at = ground.where.lattice.point(site);
+  point.at = where.lattice.point(site);
   point.time = arrival.time;
   for (Index i = -kReach; i <= kReach; ++i)
     for (Index j = -kReach; j <= kReach; ++j) {
       const Site<2> other{site[0] + i, site[1] + j};
-      if (i * i + j * j > kReach * kReach + 1 || (!i && !j) || !ground.where.active.has(other)) continue;
-      const auto found = point_of_.find(key(arrival.patch, static_cast<Index>(ground.where.active.place(other))));
-      if (found == point_of_.end()) continue;
-      point.near.push_back(found->second);
-      points_[static_cast<std::size_t>(found->second)].near.push_back(number);
+      if (i * i + j * j > kReach * kReach + 1 || (!i && !j)) continue;
+      const std::uint64_t name = names.of(other);
+      const auto known = point_of_.find(name);
+      if (known == point_of_.end() || names.site(name) != other) continue; // beyond an end of its row
+      point.near.push_back(known->second);
+      points_[static_cast<std::size_t>(known->second)].near.push_back(number);
     }
-  seed(point, ground);
-  point_of_[key(arrival.patch, arrival.site)] = number;
+  seed(point, *found->ground);
+  point_of_[arrival.site] = number;
   arrivals_.push_back(arrival);
   points_.push_back(std::move(point));
   return number;
@@ -106,7 +119,7 @@ int CrackTree::insert(const Arrival& arrival)
 
 void CrackTree::add(std::vector<Arrival> arrivals)
 {
-  std::ranges::sort(arrivals, {}, [&](const Arrival& a) { return key(a.patch, a.site); });
+  std::ranges::sort(arrivals, {}, &Arrival::site);
   std::vector<int> open = std::move(loose_);
   loose_.clear();
   for (const Arrival& arrival : arrivals) open.push_back(insert(arrival));

@@ -48,6 +48,8 @@ PULSE = FLYING | {
 }
 INSIDE = "0.625,0.375,0.875,0.75"
 TURNS = {"-layout_renew_interval": "20", "-layout_renew_box": "0.625,0.375,1,0.75"}
+# Cells behind a tip of the large patch become elements, and nothing of the crack is left there.
+HEALED = LARGE | {"-layout_renew_interval": "440", "-layout_renew_box": "0.008,-0.001,0.012,0.001", "-ts_max_steps": "460"}
 # The double cantilever beam, whose crack grows by far within loads.
 BEAM = {"-options_file": "cases/dcb/smoke.opts", "-output_fields": "false", "-output_history": "", "-quiet": ""}
 SHORT = BEAM | {"-pd_patches": "0.2e-3,0.15e-3,0.4e-3,0.30e-3", "-adapt": "expand"}
@@ -102,6 +104,18 @@ class Adapt(program.ProgramTest):
                 self.assertEqual(a, b)
                 for name, table in tables.items():
                     np.testing.assert_array_equal(table, others[name], name)
+
+    def test_a_crack_stays_known_where_its_particles_are_gone(self):
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                whole, healed = self.solve(LARGE | {"-ts_max_steps": "440"}, ranks), self.solve(HEALED, ranks)
+                self.assertEqual(healed.summary["relocations"], 1)
+                paths = [[(row["x"], row["y"], row["time"]) for row in program.rows_of(run.directory / "crack_path.csv")]
+                         for run in (whole, healed)]
+                behind = [[at for at in path if 0.008 < at[0] < 0.012] for path in paths]
+                self.assertGreater(len(behind[0]), 8)
+                self.assertEqual(behind[0], behind[1])
+                self.assertGreater(healed.summary["results"]["crack_length"], whole.summary["results"]["crack_length"])
 
     def test_loads_break_the_same_bonds_as_in_a_large_patch(self):
         for ranks in (1, 2):

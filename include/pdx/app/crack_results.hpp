@@ -24,8 +24,8 @@ struct CrackState {
 };
 /// Collective.
 CrackState crack_state(const Discretisation& d);
-/// Length of a given crack inside the body's box [m].
-double length_inside(const Model& scene, int crack);
+/// Length of a crack inside the body's box [m].
+double length_inside(const crack::CrackSet& cracks, int crack, const geom::Box<2>& body);
 
 /// -dPi/da of each tip, the crack's end moved forth and back along its direction: in a patch by the lattice's period
 /// that way (a spacing along x and y, eight at 30 degrees), in elements by one. Two solves of the whole load path each

@@ -10,7 +10,8 @@ struct CrackNotes {
 };
 
 /// The cracks of a scene in time, those of a solid as its middle layer shows them: columns of history.csv, results, and
-/// crack_path.csv. All methods but `columns` and `row` are collective.
+/// crack_path.csv. All is counted from the cracks and the lattices that were given first, whatever of them the layout
+/// holds now. All methods but `columns`, `row` and `knows` are collective.
 class CrackWatch {
 public:
   /// None where no bond can break or no crack has a tip in a patch.
@@ -24,6 +25,8 @@ public:
   bool looked() const { return broken_ >= 0; }
   std::optional<CrackNotes> notes() const; ///< none before the first look
   void take_notes(CrackNotes notes);       ///< instead of the first look
+  /// Is all that damage has reached in the body, on a lattice of those that were given?
+  bool knows(const CrackNotes& notes) const;
   void write_results(nlohmann::ordered_json& results) const;
   void write_paths() const;
 
@@ -32,8 +35,9 @@ private:
   void look_at_layer(double time);
 
   const RunFiles& files_;
+  crack::CrackSet given_; // first
   track::CrackTracker tracker_;
-  double given_ = 0.0;       ///< length of the cracks at the start [m]
-  std::int64_t broken_ = -1; // at the last look; -1 before the first
+  double given_length_ = 0.0; // inside the body [m]
+  std::int64_t broken_ = -1;  // at the last look; -1 before the first
 };
 } // namespace pdx::app

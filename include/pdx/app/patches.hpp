@@ -20,6 +20,9 @@ template <int Dim> geom::Lattice<Dim> lattice_in(const geom::Box<Dim>& box, doub
 /// Background cells of particles-only scenes, about 4 dx wide.
 std::array<Index, 2> background_cells(const geom::Lattice<2>& lattice);
 
+/// Where patches lie, their sites named. Throws UserError for a spacing that does not fit.
+std::vector<couple::PatchShape> patch_shapes(const SceneOptions& options);
+
 /// Lays out the patches before the mesh is built; completes the mesh options of peridynamics-only scenes (background
 /// cells of about 4 dx around body and layers). Throws UserError for a spacing that does not fit, naming one that does.
 PatchPlan plan_patches(const SceneOptions& options, mesh::MeshOptions& mesh);

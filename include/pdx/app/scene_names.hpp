@@ -14,13 +14,7 @@ public:
   /// @param site as `pd::Particle::site`
   field::RowName particle(Index patch, Index site) const;
 
-  /// What damage has reached, as a CrackWatch counts it: in a solid a site of the middle layer.
-  field::RowName arrival(Index patch, Index site) const;
-  struct Place {
-    Index patch = 0, site = 0;
-  };
-  std::optional<Place> arrival_at(field::RowName name) const; ///< none if nothing here is called that
-  /// Whether a CrackWatch looks at owned particle k.
+  /// Whether a CrackWatch looks at owned particle k: in a solid at those of the middle layer.
   bool is_watched(std::size_t k) const;
 
 private:

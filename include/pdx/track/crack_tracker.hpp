@@ -1,9 +1,9 @@
 #pragma once
 #include "pdx/crack/crack_set.hpp"
 #include "pdx/law/elastic.hpp"
-#include "pdx/pd/particles.hpp"
 #include "pdx/track/crack_tree.hpp"
 
+#include <functional>
 #include <mpi.h>
 
 namespace pdx::track {
@@ -18,17 +18,20 @@ struct CrackNow {
 /// crack from when its damage, the precrack's bonds included, comes to a threshold; between two looks that moment is
 /// interpolated. The share of the bonds that a straight crack takes from the particles beside it is 0.39 (3 spacings in
 /// a horizon) to 0.46 (6), so that a threshold below sees the crack within a horizon behind the last broken bond.
-/// Only reads; what it keeps between looks is a number per particle and the damaged ones.
+/// Only reads; what it keeps between looks is a number per particle and the names of the damaged ones, which it knows
+/// also when they are gone.
 class CrackTracker {
 public:
   /// @param tips      with the direction straight on
-  /// @param grounds   one per patch
+  /// @param grounds   one per lattice
   /// @param threshold damage of a particle beside a crack [-]
   CrackTracker(MPI_Comm comm, std::span<const crack::Tip> tips, std::vector<TreeGround> grounds, double threshold);
 
+  using NameOf = std::function<std::uint64_t(std::size_t)>;
   /// Looks at the damage, precrack included [XPD1 Eq. 9], of the owned particles: the first time at what is broken from
-  /// the start. Particles must be the same each time. Collective.
-  void look(double time, std::span<const pd::Particle> particles, std::span<const double> damage);
+  /// the start. Particles must be the same each time; who has others resumes another tracker. Collective.
+  /// @param name of the site of a particle (TreeGround::names), by its place in `damage`
+  void look(double time, std::span<const double> damage, const NameOf& name);
 
   /// A look at a time until which no bond broke since the last look.
   void nothing_new(double time);

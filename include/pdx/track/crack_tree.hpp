@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/base/tensor.hpp"
+#include "pdx/geom/site_names.hpp"
 #include "pdx/geom/site_set.hpp"
 
 #include <cstdint>
@@ -11,8 +12,8 @@
 namespace pdx::track {
 /// A particle that damage has reached, and when.
 struct Arrival {
-  Index patch = 0, site = 0;
-  double time = 0.0; ///< [s]
+  std::uint64_t site = 0; ///< its name (TreeGround::names)
+  double time = 0.0;      ///< [s]
 };
 
 /// Where a crack grows from: a tip that was given.
@@ -21,10 +22,11 @@ struct CrackStart {
   Vector<2> direction = Vector<2>::UnitX(); ///< unit vector, straight on
 };
 
-/// A patch as the tree sees it.
+/// A lattice as the tree sees it. Particles may come and go on it; names and places of its sites stay.
 struct TreeGround {
-  geom::ActiveLattice<2> where;
-  double horizon = 0.0; ///< [m]
+  geom::ActiveLattice<2> where; ///< its active sites are those that particles lay on first: there starts are looked for
+  double horizon = 0.0;         ///< [m]
+  geom::SiteNames names;        ///< of sites as `where` counts them
 };
 
 /// When damage came by, and where.
@@ -51,15 +53,17 @@ struct GrownTip {
 /// order of particles or on which way the scene is turned.
 class CrackTree {
 public:
-  /// Starts outside all patches stay where they are.
+  /// Starts outside all grounds stay where they are. @param grounds one per lattice
   CrackTree(std::vector<CrackStart> starts, std::vector<TreeGround> grounds);
 
   /// Particles that were not added before, in any order, none earlier than the last ones by more than a look.
   void add(std::vector<Arrival> arrivals);
   std::span<const Arrival> arrivals() const { return arrivals_; } ///< all that were added
+  bool has(std::uint64_t site) const { return point_of_.contains(site); }
+  std::optional<Vector<2>> place(std::uint64_t site) const; ///< none if no lattice has a site of that name [m]
 
   std::vector<GrownTip> tips() const; ///< of each start the longest first, at least one
-  /// Four horizons of the patch that a start is in, 0 outside: over which speeds are taken. [m]
+  /// Four horizons of the ground that a start is in, 0 outside: over which speeds are taken. [m]
   double span(std::size_t start) const;
   /// When damage first was next to a start; none if nothing grew. [s]
   std::optional<double> start_time() const { return start_time_; }
@@ -89,7 +93,11 @@ private:
     std::vector<int> points; ///< where, equally far
   };
   class Groups;
-  std::uint64_t key(Index patch, Index site) const;
+  struct Seat {
+    const TreeGround* ground;
+    Site<2> site;
+  };
+  std::optional<Seat> seat(std::uint64_t site) const;
   double equal(const Point& point) const; ///< distances this near are equal [m]
   int insert(const Arrival& arrival);
   void seed(Point& point, const TreeGround& ground);
@@ -104,7 +112,7 @@ private:
   std::vector<GrownTip> tips_of(int start) const;
 
   std::vector<CrackStart> starts_;
-  std::vector<int> start_ground_; // patch of each start, -1 outside
+  std::vector<int> start_ground_; // of each start, -1 outside
   std::vector<TreeGround> grounds_;
   std::vector<Arrival> arrivals_;
   std::vector<Point> points_; // in order of arrivals_

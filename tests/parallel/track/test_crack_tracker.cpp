@@ -1,6 +1,7 @@
 #include "pdx/track/crack_tracker.hpp"
 
 #include "pdx/base/petsc.hpp"
+#include "pdx/pd/particles.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,7 @@ using namespace pdx;
 
 namespace {
 const geom::Lattice<2> kLattice{{0.0, -10.0}, 1.0, {60, 20}};
+const track::TreeGround kGround{kLattice, 3.0, {{}, 60}}; // the name of a site is its number
 const geom::Box<2> kBody{{0.0, -10.0}, {60.0, 10.0}};
 constexpr double kSpeed = 3.0, kHorizon = 3.0;
 
@@ -33,10 +35,15 @@ std::vector<pd::Particle> particles(MPI_Comm comm)
   return mine;
 }
 
+void look(track::CrackTracker& tracker, double time, std::span<const pd::Particle> mine, std::span<const double> damage)
+{
+  tracker.look(time, damage, [&](std::size_t k) { return static_cast<std::uint64_t>(mine[k].site); });
+}
+
 track::CrackTracker fresh(MPI_Comm comm)
 {
   const crack::CrackSet cracks({{{0.0, 0.0}, {10.0, 0.0}}}, kBody);
-  return {comm, cracks.tips(), {{kLattice, kHorizon}}, 0.35};
+  return {comm, cracks.tips(), {kGround}, 0.35};
 }
 
 /// Looks at steps up to 20; at step `restart` a new tracker goes on from the state of the first.
@@ -53,7 +60,7 @@ track::CrackTracker run(MPI_Comm comm, int restart = -1)
     const double time = 0.7 * step, tip = 10.0 + kSpeed * std::max(0.0, time - 2.0);
     std::vector<double> damage;
     for (const pd::Particle& particle : mine) damage.push_back(damage_at(particle.x, tip));
-    tracker.look(time, mine, damage);
+    look(tracker, time, mine, damage);
   }
   return tracker;
 }
@@ -99,12 +106,12 @@ TEST(CrackTracker, GoesOnFromAStateToTheLastBit)
 TEST(CrackTracker, WhatWasBrokenFromTheStartIsNoGrowth)
 {
   const crack::CrackSet cracks({{{0.0, 0.0}, {10.0, 0.0}}}, kBody);
-  track::CrackTracker tracker(PETSC_COMM_WORLD, cracks.tips(), {{kLattice, kHorizon}}, 0.35);
+  track::CrackTracker tracker(PETSC_COMM_WORLD, cracks.tips(), {kGround}, 0.35);
   const std::vector<pd::Particle> mine = particles(PETSC_COMM_WORLD);
   std::vector<double> damage;
   for (const pd::Particle& particle : mine) damage.push_back(damage_at(particle.x, 10.0));
-  tracker.look(0.0, mine, damage);
-  tracker.look(1.0, mine, damage);
+  look(tracker, 0.0, mine, damage);
+  look(tracker, 1.0, mine, damage);
   tracker.nothing_new(2.0);
   EXPECT_EQ(tracker.now().grown, 0.0);
   EXPECT_EQ(tracker.now().speed, 0.0);

@@ -13,12 +13,13 @@ using track::GrownTip;
 namespace {
 // Sites at half numbers; horizon 3, so that branches and speeds need 6.
 const geom::Lattice<2> kLattice{{0.0, -20.0}, 1.0, {80, 40}};
+const track::TreeGround kGround{kLattice, 3.0, {{}, 80}}; // the name of a site is its number
 constexpr double kSpeed = 4.0;
 
 /// Damage that runs along straight lines, a band of half-width 1 around each.
 class Runner {
 public:
-  explicit Runner(std::vector<track::CrackStart> starts) : tree(std::move(starts), {{kLattice, 3.0}}) {}
+  explicit Runner(std::vector<track::CrackStart> starts) : tree(std::move(starts), {kGround}) {}
 
   /// Arrivals around the way from a to b, at times by the way done, and by look of one unit of time.
   Runner& along(const Vector<2>& a, const Vector<2>& b, double begin, double speed = kSpeed)
@@ -29,7 +30,7 @@ public:
       const Vector<2> from = kLattice.point(kLattice.site(site)) - a;
       const double on = way.dot(from), beside = std::abs(way.x() * from.y() - way.y() * from.x());
       if (on < 0.0 || on > length || beside > 1.0 || !seen_.insert(site).second) continue;
-      waiting_.push_back({0, site, begin + on / speed});
+      waiting_.push_back({static_cast<std::uint64_t>(site), begin + on / speed});
     }
     return *this;
   }
@@ -55,7 +56,7 @@ double slope(const Vector<2>& v) { return std::atan2(v.y(), v.x()); }
 
 TEST(CrackTree, CrackThatStaysHasItsTipWhereItWas)
 {
-  const CrackTree tree({{{10.0, 0.0}, {1.0, 0.0}}}, {{kLattice, 3.0}});
+  const CrackTree tree({{{10.0, 0.0}, {1.0, 0.0}}}, {kGround});
   const auto tips = tree.tips();
   ASSERT_EQ(tips.size(), 1u);
   EXPECT_EQ(tips[0].at, Vector<2>(10.0, 0.0));
@@ -159,7 +160,7 @@ public:
     const Site<2> count = view.swapped ? Site<2>{40, 80} : Site<2>{80, 40};
     const geom::Lattice<2> lattice{view.corner, view.dx, count};
     const Vector<2> along = seen({1.0, 0.0});
-    CrackTree tree({{view.corner + view.dx * place({10.0, 20.0}), along}}, {{lattice, 3.0 * view.dx}});
+    CrackTree tree({{view.corner + view.dx * place({10.0, 20.0}), along}}, {{lattice, 3.0 * view.dx, {{}, count[0]}}});
     std::vector<Arrival> all;
     for (Index i = 10; i < 70; ++i)
       for (const Index j : {19, 20}) add(lattice, all, i, i < 40 ? j : j + (j == 19 ? 39 - i : i - 39) / 2, j);
@@ -195,7 +196,7 @@ private:
     const Site<2> site{static_cast<Index>(at.x()), static_cast<Index>(at.y())};
     // The lower row is later, and unevenly so.
     const double time = 0.25 * (i - 9) + (row == 19 ? 0.01 * (i % 7) : 0.0) + 1e-14 * ((i * 7 + j) % 5);
-    all.push_back({0, static_cast<Index>(lattice.number(site)), time});
+    all.push_back({static_cast<std::uint64_t>(lattice.number(site)), time});
   }
   View view_;
 };
@@ -225,14 +226,40 @@ TEST(CrackTree, SpeedAndBranchDoNotDependOnHowTheSceneIsTurnedScaledOrPlaced)
 
 TEST(CrackTree, RowsThatAreAsFarShareTheTipsTime)
 {
-  CrackTree tree({{{10.0, 0.0}, {1.0, 0.0}}}, {{kLattice, 3.0}});
+  CrackTree tree({{{10.0, 0.0}, {1.0, 0.0}}}, {kGround});
   std::vector<Arrival> all;
   for (Index i = 10; i < 40; ++i)
-    for (const Index j : {19, 20})
-      all.push_back({0, static_cast<Index>(kLattice.number({i, j})), 1.0 * i + (j == 19 ? 0.5 : 0.0)});
+    for (const Index j : {19, 20}) all.push_back({kGround.names.of({i, j}), 1.0 * i + (j == 19 ? 0.5 : 0.0)});
   tree.add(all);
   const auto tips = tree.tips();
   ASSERT_EQ(tips.size(), 1u);
   EXPECT_NEAR(tips[0].path.back().time, 39.25, 1e-12);
   EXPECT_NEAR(tips[0].at.y(), 0.0, 1e-12);
+}
+
+TEST(CrackTree, GoesOnWhereParticlesCameLater)
+{
+  // They lay up to x = 20 first; sites beyond have names all the same.
+  const geom::Lattice<2> first{{0.0, -20.0}, 1.0, {20, 40}};
+  CrackTree small({{{10.0, 0.0}, {1.0, 0.0}}}, {{first, 3.0, kGround.names}});
+  Runner large({{{10.0, 0.0}, {1.0, 0.0}}});
+  large.along({10.0, 0.0}, {40.0, 0.0}, 2.0).arrive();
+  small.add({large.tree.arrivals().begin(), large.tree.arrivals().end()});
+  EXPECT_EQ(small.tips()[0].length, large.tree.tips()[0].length);
+  EXPECT_EQ(small.span(0), 12.0);
+}
+
+TEST(CrackTree, SitesAreKnownByTheirLatticeWhateverPieceOfItNamesThem)
+{
+  const geom::SiteNames names{{0, 0}, 200, 0, 3}, other{{5, 7}, 200, 1, 3}, piece{{20, 7}, 200, 0, 3};
+  CrackTree tree({{{20.0, 0.0}, {1.0, 0.0}}}, {{kLattice, 3.0, names}, {kLattice, 3.0, other}});
+  std::vector<Arrival> all;
+  for (Index i = 0; i < 30; ++i) all.push_back({piece.of({i, 13}), 1.0 * i});
+  const std::uint64_t beside = other.of({50, 20}); // as near, on another lattice
+  all.push_back({beside, 30.0});
+  tree.add(all);
+  EXPECT_EQ(tree.tips()[0].at, kLattice.point({49, 20}));
+  EXPECT_TRUE(tree.has(beside));
+  EXPECT_EQ(*tree.place(all[0].site), kLattice.point({20, 20}));
+  EXPECT_FALSE(tree.place(2)) << "of a third lattice";
 }
