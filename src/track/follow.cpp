@@ -4,6 +4,8 @@
 #include "parted_cell.hpp"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <map>
 #include <set>
 
