@@ -55,7 +55,7 @@ private:
     const Vector<2> to = from + (line.at + line.along - from).normalized();
     along = line.along;
     path_.push_back(to);
-    return cross(from, to, static_cast<double>(path_.size()) - 2.0);
+    return pass(from, to, static_cast<double>(path_.size()) - 2.0);
   }
 
   /// Ends of broken short bonds beside the way straight on, the higher one as left of the crack.
@@ -80,7 +80,7 @@ private:
   }
 
   /// Notes the bonds that cross a piece of the path. Is at least half of their weight gone?
-  bool cross(const Vector<2>& a, const Vector<2>& b, double place)
+  bool pass(const Vector<2>& a, const Vector<2>& b, double place)
   {
     const Line line{a, (b - a).normalized()};
     double all = 0.0, gone = 0.0;

@@ -4,6 +4,8 @@
 #include "parted_cell.hpp"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -66,6 +68,14 @@ bool leads_into(const CellBox& cell, const Vector<2>& x, const Vector<2>& along)
   return true;
 }
 
+/// Are both points on one side of the cell?
+bool share_side(const CellBox& cell, const Vector<2>& a, const Vector<2>& b)
+{
+  for (int d = 0; d < 2; ++d)
+    if (a[d] == b[d] && (a[d] == cell.lower[d] || a[d] == cell.upper[d])) return true;
+  return false;
+}
+
 /// Where a line leaves a cell; the nearest corner if it does not meet it.
 Vector<2> way_out(const CellBox& cell, const Line& line)
 {
@@ -112,12 +122,11 @@ public:
     while (next()) {
     }
     Followed followed;
-    for (const auto& [cell, out] : crossed_) followed.crossings.push_back({cell, Vector<2>::Zero(), metres(out, cell)});
-    const auto first = crossed_.empty() ? cells_.around(now_.at) : std::vector{crossed_[0].first};
+    const auto first = path_.empty() ? cells_.around(start_.at) : std::vector{path_[0].cell};
     Vector<2> end = first.empty() ? in_metres(graph_.lattice(), start_.at) : metres(start_.at, first[0]);
-    for (Crossing& crossing : followed.crossings) {
-      crossing.in = end;
-      end = crossing.out;
+    for (const auto& [cell, out] : path_) {
+      followed.crossings.push_back({cell, end, metres(out, cell)});
+      end = followed.crossings.back().out;
     }
     const Line tip = tip_ahead(graph_, now_);
     followed.tip = tip.at == now_.at ? end : in_metres(graph_.lattice(), tip.at);
@@ -127,8 +136,12 @@ public:
 
 private:
   using Tried = std::set<std::size_t>;
+  struct Left {
+    std::size_t cell;
+    Vector<2> out; // in spacings
+  };
 
-  /// What is next to a corner is on it; what is next to a line of the mesh is on the line.
+  /// What is next to a line of the mesh is on it.
   void snap_start()
   {
     for (const std::size_t c : cells_.around(start_.at, 1.0)) {
@@ -146,7 +159,6 @@ private:
   {
     const Line here = now_;
     Tried tried;
-    for (const auto& [cell, out] : crossed_) tried.insert(cell);
     bool missed = false;
     for (auto cell = into(tried); cell; cell = into(tried)) {
       tried.insert(*cell);
@@ -169,7 +181,7 @@ private:
   std::optional<std::size_t> into(const Tried& tried) const
   {
     for (const std::size_t c : cells_.around(now_.at))
-      if (!tried.contains(c) && leads_into(cells_[c], now_.at, now_.along)) return c;
+      if (!crossed_.contains(c) && !tried.contains(c) && leads_into(cells_[c], now_.at, now_.along)) return c;
     return std::nullopt;
   }
 
@@ -190,10 +202,8 @@ private:
       for (int k = 0; k < 4; ++k)
         if ((cells_[c].corner(k) - out).norm() <= near) out = cells_[c].corner(k);
     if ((out - now_.at).dot(line.along) <= near) return std::nullopt;
-    for (int d = 0; d < 2; ++d) // beside the cell
-      if (out[d] == now_.at[d] && (out[d] == cell.lower[d] || out[d] == cell.upper[d]) &&
-          std::abs(line.along[d]) > 2.0 * kSnap)
-        return std::nullopt;
+    const bool along_mesh = line.along.cwiseAbs().minCoeff() <= 2.0 * kSnap;
+    if (share_side(cell, out, now_.at) && !along_mesh) return std::nullopt;
     return out;
   }
 
@@ -203,19 +213,26 @@ private:
     const Line chord = way.norm() < 1.0 ? found.line : Line{now_.at, way.normalized()};
     if (!parts_along(graph_, found.bodies, cells_[cell], chord)) return false;
     now_ = {out, found.line.along};
-    crossed_.emplace_back(cell, out);
+    path_.push_back({cell, out});
+    crossed_.insert(cell);
     return true;
   }
 
-  /// From beside a corner of a cell that the path does not enter, onto the corner.
+  /// From beside a corner of a cell that the path does not enter, onto the corner. What was crossed before and would
+  /// now be passed along a side is not crossed.
   void step_aside(const CellBox& missed)
   {
-    const bool first = crossed_.empty();
     for (int k = 0; k < 4; ++k) {
       const Vector<2> corner = missed.corner(k);
-      if ((corner - now_.at).norm() > kAside || !(first || cells_[crossed_.back().first].holds(corner))) continue;
+      if (corner == now_.at || (corner - now_.at).norm() > kAside) continue;
+      std::size_t count = path_.size();
+      while (count > 0 &&
+             share_side(cells_[path_[count - 1].cell], corner, count > 1 ? path_[count - 2].out : start_.at))
+        --count;
+      if (count > 0 && !cells_[path_[count - 1].cell].holds(corner)) continue;
+      path_.resize(count);
+      if (count > 0) path_.back().out = corner;
       now_.at = corner;
-      if (!first) crossed_.back().second = corner;
       return;
     }
   }
@@ -226,9 +243,7 @@ private:
     const int axis = std::abs(now_.along[0]) > std::abs(now_.along[1]) ? 0 : 1;
     if (std::abs(now_.along[1 - axis]) > kAlong) return false;
     now_.along = (now_.along[axis] > 0.0 ? 1.0 : -1.0) * Vector<2>::Unit(axis);
-    Tried tried;
-    for (const auto& [cell, out] : crossed_) tried.insert(cell);
-    const auto cell = into(tried);
+    const auto cell = into({});
     if (!cell) return false;
     const CellBox& box = cells_[*cell];
     if (now_.at[1 - axis] != box.lower[1 - axis] && now_.at[1 - axis] != box.upper[1 - axis]) return false;
@@ -255,7 +270,8 @@ private:
   std::span<const geom::Box<2>> boxes_;
   Cells cells_;
   Line start_, now_;
-  std::vector<std::pair<std::size_t, Vector<2>>> crossed_; // cells and where they are left, in spacings
+  std::vector<Left> path_;
+  Tried crossed_; // cells that are done with
 };
 } // namespace
 

@@ -21,14 +21,16 @@ struct Followed {
 /// Follows a crack from a point on through cells of particles (axis-aligned boxes made of whole lattice cells, given in
 /// any order; neighbours share sides).
 ///
-/// The particles of a cell and of one horizon around it must be in two bodies, one on either side; a line fitted
-/// between them is the crack in the cell. It comes in where it left the cell before, and leaves where the line does.
-/// What is within 1e-3 of a cell's edge of a corner is on the corner, and likewise on a line of the mesh along which it
-/// runs; a crack along a side is in the cell on its right. At the first other cell the crossings end; from there damage
-/// is followed to the tip. A cell is crossed once at most, and not if the crack turns back in it.
+/// The particles of a cell and of one horizon around it must be in two bodies that are more than crumbs, one on either
+/// side of the path in the cell, to a spacing. The line with the best margin between them is the crack in the cell. The
+/// path comes in where it left the cell before, and leaves where the line does. A path within 1e-3 of a cell's edge of
+/// a corner is on the corner, and so is one that passes up to half a spacing beside it on a side where the next cell's
+/// line does not pass: it enters no cell for a sliver. One that runs along a line of the mesh is on the line, and in
+/// the cells on its right. Crossings end before the first cell that is not parted so, and where the path would come
+/// back to a cell; from there broken short bonds are followed to the tip. Time goes with the cells followed.
 /// @param from where what is known of the crack ends, in or at the border of a cell; the first crossing begins there,
-/// or at the corner or mesh line that it is next to
-/// @param direction unit vector, straight on
+/// or on the line of the mesh or corner that it is within 1e-3 of an edge of
+/// @param direction unit vector, straight on; the crack may turn here
 Followed follow(const BondGraph& graph, std::span<const geom::Box<2>> cells, const Vector<2>& from,
                 const Vector<2>& direction);
 } // namespace pdx::track

@@ -1,78 +1,14 @@
 #include "pdx/track/follow.hpp"
-#include "support/cracked_lattice.hpp"
+#include "support/followed_crack.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <gtest/gtest.h>
-#include <random>
 
 using namespace pdx;
-using test::CrackedLattice;
+using namespace pdx::test;
 using track::Crossing;
 using track::Followed;
 
 namespace {
-constexpr double kPi = 3.14159265358979323846;
-
-Vector<2> towards(double degrees) { return {std::cos(degrees * kPi / 180.0), std::sin(degrees * kPi / 180.0)}; }
-double beside(const Vector<2>& direction, const Vector<2>& x) { return direction[0] * x[1] - direction[1] * x[0]; }
-
-/// Square root of the mean square, and the largest.
-struct Errors {
-  void add(double error)
-  {
-    squares += error * error;
-    most = std::max(most, std::abs(error));
-    ++count;
-  }
-  double rms() const { return std::sqrt(squares / count); }
-  double squares = 0.0, most = 0.0;
-  int count = 0;
-};
-
-/// Calls visit(x, number of the crossing) for points all along a path.
-template <class Visit> void walk(const std::vector<Crossing>& crossings, Visit&& visit)
-{
-  for (std::size_t c = 0; c < crossings.size(); ++c)
-    for (int k = 0; k <= 10; ++k) visit(Vector<2>(crossings[c].in + 0.1 * k * (crossings[c].out - crossings[c].in)), c);
-}
-
-bool on_border(const geom::Box<2>& cell, const Vector<2>& x)
-{
-  return cell.contains(x) &&
-         (x[0] == cell.lower[0] || x[0] == cell.upper[0] || x[1] == cell.lower[1] || x[1] == cell.upper[1]);
-}
-
-/// Whatever the crack: a chain of crossings, each from border to border of a cell of its own.
-void expect_chain(const Followed& followed, const std::vector<geom::Box<2>>& cells, const Vector<2>& from)
-{
-  Vector<2> end = from;
-  std::set<std::size_t> seen;
-  for (const Crossing& crossing : followed.crossings) {
-    EXPECT_LE((crossing.in - end).norm(), seen.empty() ? 0.01 : 0.0);
-    EXPECT_TRUE(on_border(cells[crossing.cell], crossing.out));
-    EXPECT_GT((crossing.out - crossing.in).norm(), 0.0);
-    EXPECT_TRUE(seen.insert(crossing.cell).second);
-    end = crossing.out;
-  }
-  EXPECT_NEAR(followed.direction.norm(), 1.0, 1e-12);
-}
-
-struct Straight {
-  CrackedLattice plate;
-  Vector<2> from, direction, tip;
-};
-
-/// A crack from the left side of a plate on.
-Straight straight_crack(double degrees, double ratio, std::mt19937& random)
-{
-  std::uniform_real_distribution<double> share(0.0, 1.0);
-  const Vector<2> from(0.0, 3.0 + 5.0 * share(random)), direction = towards(degrees);
-  Straight crack{CrackedLattice({72, 64}, ratio), from, direction, from + (42.0 + 4.0 * share(random)) * direction};
-  crack.plate.cut({from, crack.tip});
-  return crack;
-}
-
 using Sites = CrackedLattice::Bond;
 /// The plate with its sites moved by a map of the plate onto itself or its transpose.
 CrackedLattice moved(const CrackedLattice& plate, const Site<2>& count, const std::function<Site<2>(Site<2>)>& map)
@@ -114,7 +50,8 @@ void expect_moved(const Followed& here, const Followed& there, const std::functi
 
 class FollowCells : public testing::TestWithParam<std::tuple<double, Index>> {};
 
-// Measured over these: rms .035-.05, at most .20 but for the first cell, whose window the side of the plate clips.
+// Measured over these: rms .03-.05, at most .15 (.21 in the first cells, whose windows the side of the plate clips);
+// tips -.14 to .2.
 TEST_P(FollowCells, StraightCracksAreFollowedToSomeHundredthsOfASpacing)
 {
   const auto [ratio, r] = GetParam();
@@ -137,18 +74,14 @@ TEST_P(FollowCells, StraightCracksAreFollowedToSomeHundredthsOfASpacing)
       lag = std::max(lag, crack.direction.dot(crack.tip - followed.crossings.back().out));
     }
   EXPECT_LT(path.rms(), 0.055);
-  EXPECT_LT(path.most, 0.24);
-  EXPECT_LT(first.most, 0.35);
-  EXPECT_LT(tip.rms(), 0.2);
-  EXPECT_LT(tip.most, 0.6);
+  EXPECT_LT(path.most, 0.21);
+  EXPECT_LT(first.most, 0.25);
+  EXPECT_LT(tip.rms(), 0.12);
+  EXPECT_LT(tip.most, 0.3);
   EXPECT_LT(lag, 1.5 * r + ratio + 1.0); // the last cell's window ends before the tip
-  RecordProperty("rms", std::to_string(path.rms()));
-  if (std::getenv("SHOW"))
-    std::printf("path %.3f %.3f first %.3f tip %.3f %.3f lag %.2f\n", path.rms(), path.most, first.most, tip.rms(),
-                tip.most, lag);
 }
 
-// Measured: rms .08-.10 (20 horizons) and .12-.20 (10 horizons).
+// Measured: rms .08-.10 (20 horizons) and .14-.20 (10 horizons), tips to .23.
 TEST_P(FollowCells, ArcsAreFollowedToTenthsOfASpacing)
 {
   const auto [ratio, r] = GetParam();
@@ -178,11 +111,9 @@ TEST_P(FollowCells, ArcsAreFollowedToTenthsOfASpacing)
       ASSERT_FALSE(followed.crossings.empty());
       EXPECT_LT((followed.crossings.back().out - arc.back()).norm(), 1.5 * r + ratio + 2.0);
     }
-    EXPECT_LT(path.rms(), radii > 15.0 ? 0.14 : 0.26);
-    EXPECT_LT(path.most, 0.6);
-    EXPECT_LT(tip.most, 0.75);
-    if (std::getenv("SHOW"))
-      std::printf("arc %g path %.3f %.3f tip %.3f %.3f\n", radii, path.rms(), path.most, tip.rms(), tip.most);
+    EXPECT_LT(path.rms(), radii > 15.0 ? 0.12 : 0.23);
+    EXPECT_LT(path.most, 0.5);
+    EXPECT_LT(tip.most, 0.3);
   }
 }
 
@@ -211,10 +142,8 @@ TEST_P(FollowCells, BrokenBondsBesideThePathLeadNowhere)
     tip.add(crack.direction.dot(followed.tip - crack.tip));
   }
   EXPECT_EQ(whole, damaged);
-  EXPECT_LT(path.rms(), 0.1);
-  EXPECT_LT(tip.most, 0.8);
-  if (std::getenv("SHOW"))
-    std::printf("damaged path %.3f %.3f tip %.3f %.3f\n", path.rms(), path.most, tip.rms(), tip.most);
+  EXPECT_LT(path.rms(), 0.06);
+  EXPECT_LT(tip.most, 0.45);
 }
 
 TEST_P(FollowCells, CrackAlongALineOfTheMeshIsExactlyOnItAndInTheCellsOnItsRight)
