@@ -67,6 +67,17 @@ public:
     return tips;
   }
 
+  /// Where particles are damaged in some of the cells.
+  std::vector<Vector<2>> damaged_in(const std::function<bool(Index number)>& some) const
+  {
+    std::vector<Vector<2>> found;
+    for (std::size_t c = 0; c < cells_.size(); ++c)
+      if (some(numbers_[c]))
+        for (const PatchMap::Damaged* particle : damaged_)
+          if (particle->damage > kBroken && cells_[c].contains(particle->x)) found.push_back(particle->x);
+    return found;
+  }
+
   /// Is everything in a cell and a horizon around it held together but for the paths of cracks?
   bool is_parted_by(const crack::CrackSet& paths, const geom::Box<2>& cell) const
   {
@@ -127,8 +138,8 @@ private:
 /// All patches, and the cracks of the scene as far as they are known.
 class Contraction {
 public:
-  Contraction(const SceneView& scene, std::span<const double> reach)
-      : scene_(scene), map_(map_patches(scene))
+  Contraction(const SceneView& scene, std::span<const Retreat> reaches)
+      : scene_(scene), map_(map_patches(scene)), reaches_(reaches)
   {
     for (std::size_t p = 0; p < scene.around.size(); ++p) patches_.emplace_back(scene, map_, p);
     std::vector<crack::Polyline> paths = given();
@@ -138,7 +149,7 @@ public:
     to_tips_ = std::move(paths);
     for (const PatchCracks& patch : patches_)
       for (const Trail& trail : patch.trails()) go_on(to_tips_, trail, {trail.found.tip});
-    for (std::size_t p = 0; p < patches_.size(); ++p) choose(patches_[p], reach[p]);
+    for (std::size_t p = 0; p < patches_.size(); ++p) choose(patches_[p], reaches[p].contraction);
   }
 
   /// Keeps what of the chosen cells energy speaks against. Collective.
@@ -152,6 +163,7 @@ public:
     for (const Index number : gather_all(mesh.comm(), against)) chosen_.erase(number);
     for (const PatchCracks& patch : patches_)
       for (const Trail& trail : patch.trails()) end_with_the_first_that_stays(patch, trail);
+    for (std::size_t p = 0; p < patches_.size(); ++p) keep_beside_unrest(patches_[p], reaches_[p].critical);
   }
 
   LayoutChange change() const
@@ -190,12 +202,31 @@ private:
   void choose(const PatchCracks& patch, double reach)
   {
     const std::vector<Vector<2>> tips = patch.tips(to_tips_);
+    if (getenv("DBG")) { printf("TIPS cells %zu:", patch.cells().size()); for (auto& t : tips) printf(" (%.3f,%.3f)", 1e3*t[0], 1e3*t[1]); for (auto& t : patch.trails()) printf(" [trail %d%d crossings %zu]", t.crack, t.last, t.found.crossings.size()); printf("\n"); }
     if (tips.empty()) return;
     for (std::size_t c = 0; c < patch.cells().size(); ++c) {
       const geom::Box<2>& cell = patch.cells()[c];
       const auto far = [&](const Vector<2>& tip) { return distance(cell, tip) > (1.0 + kNear) * reach; };
-      if (std::ranges::all_of(tips, far) && patch.is_parted_by(known_, cell)) chosen_.insert(patch.numbers()[c]);
+      if (!std::ranges::all_of(tips, far)) continue;
+      far_.insert(patch.numbers()[c]);
+      if (patch.is_parted_by(known_, cell)) chosen_.insert(patch.numbers()[c]);
     }
+  }
+
+  /// Where damaged particles stay far behind the tips, what breaks there yet must not reach elements beside the crack.
+  void keep_beside_unrest(const PatchCracks& patch, double critical)
+  {
+    const std::vector<Vector<2>> unrest = patch.damaged_in([&](Index cell) {
+      return far_.contains(cell) && !chosen_.contains(cell);
+    });
+    std::set<std::size_t> crossed;
+    for (const Trail& trail : patch.trails())
+      for (const track::Crossing& crossing : trail.found.crossings) crossed.insert(crossing.cell);
+    for (std::size_t c = 0; c < patch.cells().size(); ++c)
+      if (!crossed.contains(c) && std::ranges::any_of(unrest, [&](const Vector<2>& x) {
+            return distance(patch.cells()[c], x) < (1.0 + kNear) * critical;
+          }))
+        chosen_.erase(patch.numbers()[c]);
   }
 
   /// Elements cannot carry a crack that comes out of particles.
@@ -225,14 +256,15 @@ private:
   std::vector<PatchCracks> patches_;
   crack::CrackSet known_;                // all cracks as far as they part what they run through
   std::vector<crack::Polyline> to_tips_; // and straight on from there to their tips
-  std::set<Index> chosen_;               // natural numbers
+  std::span<const Retreat> reaches_;     // one per patch
+  std::set<Index> far_, chosen_;         // natural numbers of cells far from all tips, and of those to be handed back
 };
 } // namespace
 
-LayoutChange contraction(const SceneView& scene, std::span<const double> reach, const MayHandBack& may)
+LayoutChange contraction(const SceneView& scene, std::span<const Retreat> reaches, const MayHandBack& may)
 {
   if (!scene.sets) return {};
-  Contraction contraction(scene, reach);
+  Contraction contraction(scene, reaches);
   contraction.ask(may);
   return contraction.change();
 }

@@ -18,14 +18,31 @@ struct Front {
   std::array<double, 2> x; // [m]
 };
 
+/// Where elements hand their cracks over to particles: what breaks around there belongs to what the crack leaves behind.
+std::vector<Vector<2>> mouths(const SceneView& scene)
+{
+  std::vector<Vector<2>> found;
+  if (!scene.sets) return found;
+  for (const crack::Tip& tip : scene.sets->cracks().tips())
+    if (std::ranges::any_of(scene.around, [&tip](const couple::Surroundings& around) {
+          return around.distance(tip.at) < kFits * around.shape().lattice.dx;
+        }))
+      found.push_back(tip.at);
+  return found;
+}
+
 std::vector<Front> fronts(const SceneView& scene, std::span<const Reaches> reaches, const std::vector<bool>& news)
 {
+  const std::vector<Vector<2>> behind = mouths(scene);
   std::vector<Front> mine;
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
+    if (!news[k]) continue;
     const pd::Particle& p = scene.particles[k];
     const auto patch = static_cast<std::size_t>(p.patch);
-    if (news[k] && scene.around[patch].distance(p.x) < (1.0 - kSame) * reaches[patch].critical)
-      mine.push_back({p.patch, {p.x[0], p.x[1]}});
+    const double critical = (1.0 - kSame) * reaches[patch].critical;
+    const double wake = critical + scene.bonds.parts()[patch]->stencil().horizon;
+    if (std::ranges::any_of(behind, [&](const Vector<2>& mouth) { return (mouth - p.x).norm() < wake; })) continue;
+    if (scene.around[patch].distance(p.x) < critical) mine.push_back({p.patch, {p.x[0], p.x[1]}});
   }
   return gather_all(scene.mesh.comm(), mine);
 }

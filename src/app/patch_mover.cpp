@@ -101,10 +101,11 @@ adapt::LayoutChange PatchMover::contract(const adapt::SceneView& scene, const Pa
   static Event event("adapt_contract");
   const Timed timed(event);
   expansions_ = 0;
-  std::vector<double> reach;
+  std::vector<adapt::Retreat> all;
+  const std::vector<adapt::Reaches> ahead = reaches(scene, plan);
   for (std::size_t p = 0; p < scene.around.size(); ++p)
-    reach.push_back(length(options_.layout.contraction_length, kContraction[options_.time.dynamic()],
-                           plan.stencils[p].horizon, scene.around[p].shortest_edge()));
-  return adapt::contraction(scene, reach, may);
+    all.push_back({ahead[p].critical, length(options_.layout.contraction_length, kContraction[options_.time.dynamic()],
+                           plan.stencils[p].horizon, scene.around[p].shortest_edge())});
+  return adapt::contraction(scene, all, may);
 }
 } // namespace pdx::app
