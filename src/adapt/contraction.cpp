@@ -67,6 +67,16 @@ public:
     return tips;
   }
 
+  /// The cell on the other side of a crack that runs along a side of the cell that it counts to.
+  std::optional<std::size_t> across(const track::Crossing& crossing) const
+  {
+    const Vector<2> middle = 0.5 * (crossing.in + crossing.out), along = crossing.out - crossing.in;
+    const Vector<2> there = middle + 1e-3 * Vector<2>(-along.y(), along.x()); // on its left
+    if (cells_[crossing.cell].contains(there)) return std::nullopt;
+    const auto found = std::ranges::find_if(cells_, [&there](const geom::Box<2>& cell) { return cell.contains(there); });
+    return found == cells_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - cells_.begin()));
+  }
+
   /// Where particles are damaged in some of the cells.
   std::vector<Vector<2>> damaged_in(const std::function<bool(Index number)>& some) const
   {
@@ -161,9 +171,9 @@ public:
       if (may && c < mesh.owned_cells() && chosen_.contains(mesh.natural_cell(c)) && !may(c, known_))
         against.push_back(mesh.natural_cell(c));
     for (const Index number : gather_all(mesh.comm(), against)) chosen_.erase(number);
-    for (const PatchCracks& patch : patches_)
-      for (const Trail& trail : patch.trails()) end_with_the_first_that_stays(patch, trail);
+    end_trails();
     for (std::size_t p = 0; p < patches_.size(); ++p) keep_beside_unrest(patches_[p], reaches_[p].critical);
+    end_trails();
   }
 
   LayoutChange change() const
@@ -202,7 +212,6 @@ private:
   void choose(const PatchCracks& patch, double reach)
   {
     const std::vector<Vector<2>> tips = patch.tips(to_tips_);
-    if (getenv("DBG")) { printf("TIPS cells %zu:", patch.cells().size()); for (auto& t : tips) printf(" (%.3f,%.3f)", 1e3*t[0], 1e3*t[1]); for (auto& t : patch.trails()) printf(" [trail %d%d crossings %zu]", t.crack, t.last, t.found.crossings.size()); printf("\n"); }
     if (tips.empty()) return;
     for (std::size_t c = 0; c < patch.cells().size(); ++c) {
       const geom::Box<2>& cell = patch.cells()[c];
@@ -229,15 +238,21 @@ private:
         chosen_.erase(patch.numbers()[c]);
   }
 
-  /// Elements cannot carry a crack that comes out of particles.
-  void end_with_the_first_that_stays(const PatchCracks& patch, const Trail& trail)
+  /// Elements cannot carry a crack that comes out of particles, nor one of whose sides there are only particles.
+  void end_trails()
   {
-    bool stays = false;
-    for (const track::Crossing& crossing : trail.found.crossings) {
-      const Index number = patch.numbers()[crossing.cell];
-      stays = stays || !chosen_.contains(number);
-      if (stays) chosen_.erase(number);
-    }
+    for (const PatchCracks& patch : patches_)
+      for (const Trail& trail : patch.trails()) {
+        bool stays = false;
+        for (const track::Crossing& crossing : trail.found.crossings) {
+          const Index number = patch.numbers()[crossing.cell];
+          const std::optional<std::size_t> beside = patch.across(crossing);
+          stays = stays || !chosen_.contains(number) || (beside && !chosen_.contains(patch.numbers()[*beside]));
+          if (!stays) continue;
+          chosen_.erase(number);
+          if (beside) chosen_.erase(patch.numbers()[*beside]);
+        }
+      }
   }
 
   /// How far the elements to come carry a crack: up to the first cell that stays.

@@ -27,9 +27,17 @@ public:
       : scene_(scene), left_(left)
   {
     const field::Rows& rows = scene.halo.rows();
-    std::vector<double> sets(is_new.size(), 0.0);
-    std::copy_n(is_new.begin() + rows.nodes, rows.enriched, sets.begin() + rows.nodes);
-    scene.halo.fetch(sets, 1, is_fresh_);
+    scene.halo.fetch(is_new, 1, is_asked_);
+    std::vector<double> loose(is_new.size(), 0.0); // of cut elements, and the only row of their node there
+    for (const xfem::CutElement& cut : scene.sets ? scene.sets->cells() : std::span<const xfem::CutElement>())
+      for (std::size_t a = 0; a < 4; ++a) {
+        const PetscInt row = scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cut.cell)[a])] - rows.first;
+        if (cut.sets[a] < 0 && row >= 0 && row < rows.nodes) loose[static_cast<std::size_t>(row)] = 1.0;
+      }
+    std::fill_n(loose.begin() + rows.nodes, rows.enriched, 1.0);
+    std::vector<double> of_cracks;
+    scene.halo.fetch(loose, 1, of_cracks);
+    for (std::size_t k = 0; k < is_asked_.size(); ++k) is_asked_[k] *= of_cracks[k];
     for (const std::span<double> field : fields) scene.halo.fetch(field, 2, fields_.emplace_back());
   }
 
@@ -39,13 +47,13 @@ public:
                                                    left_.places[particle]);
     const auto rows = static_cast<std::size_t>(host.count);
     for (std::size_t a = 0; a < rows; ++a) {
-      if (!is_fresh_set(host.rows[a])) continue;
+      if (!is_asked(host.rows[a])) continue;
       for (std::size_t b = 0; b < rows; ++b)
-        if (is_fresh_set(host.rows[b])) matrix_[{host.rows[a], host.rows[b]}] += host.weights[a] * host.weights[b];
+        if (is_asked(host.rows[b])) matrix_[{host.rows[a], host.rows[b]}] += host.weights[a] * host.weights[b];
       for (std::size_t f = 0; f < fields_.size(); ++f) {
         Vector<2> missing = value_of(left_.fields[f], particle);
         for (std::size_t b = 0; b < rows; ++b)
-          if (!is_fresh_set(host.rows[b])) missing -= host.weights[b] * value_of(fields_[f], local(host.rows[b]));
+          missing -= host.weights[b] * value_of(fields_[f], local(host.rows[b]));
         for (int d = 0; d < 2; ++d)
           matrix_[{host.rows[a], -1 - static_cast<PetscInt>(2 * f) - d}] += host.weights[a] * missing[d];
       }
@@ -61,11 +69,11 @@ public:
 
 private:
   std::size_t local(PetscInt row) const { return static_cast<std::size_t>(scene_.halo.local(row)); }
-  bool is_fresh_set(PetscInt row) const { return is_fresh_[local(row)] > 0.0; }
+  bool is_asked(PetscInt row) const { return is_asked_[local(row)] > 0.0; }
 
   const SceneView& scene_;
   const Leaving& left_;
-  std::vector<double> is_fresh_; // per local row: is it of a set, and new?
+  std::vector<double> is_asked_; // per local row
   std::vector<std::vector<double>> fields_;
   std::map<std::pair<PetscInt, PetscInt>, double> matrix_;
 };
@@ -152,7 +160,7 @@ void fit_sets(const SceneView& scene, const Leaving& left, std::span<const doubl
     if (!rows.owns(row)) continue;
     const auto k = static_cast<std::size_t>(row - rows.first);
     for (std::size_t f = 0; f < fields.size(); ++f)
-      for (std::size_t d = 0; d < 2; ++d) fields[f][2 * k + d] = values[static_cast<Eigen::Index>(2 * f + d)];
+      for (std::size_t d = 0; d < 2; ++d) fields[f][2 * k + d] += values[static_cast<Eigen::Index>(2 * f + d)];
   }
 }
 } // namespace pdx::adapt

@@ -202,10 +202,6 @@ private:
     recorder_.take_scene(scene_->standing(), *driver_, move.cracks());
     if (checkpoints_) checkpoints_->take_scene(files_.scene, layout_, recorder_);
     files_.layout_seconds += MPI_Wtime() - begin;
-    if (getenv("DBG")) { fmt::print("RELOC {} cover {} uncover {} converted {:.6g} cells:", driver_->step(), change_.cover.size(), change_.uncover.size(), recorder_.energies(*driver_).converted);
-      for (auto& c : change_.cover) fmt::print(" +({:.2f},{:.2f})", 1e3*c.box.lower[0], 1e3*c.box.lower[1]);
-      for (auto& c : change_.uncover) fmt::print(" -({:.2f},{:.2f})", 1e3*c.lower[0], 1e3*c.lower[1]);
-      fmt::print("\n"); }
     if (!uneven_) return;
     files_.progress.line(
         fmt::format("step {}: the busiest rank had {:.2f} times the mean to do; dealt out anew, it should "

@@ -27,11 +27,13 @@ field::History read_table(const std::string& option, const std::string& name)
   while (file.next()) {
     const std::vector<std::string_view> words = words_of(file.line());
     if (words.empty()) continue;
-    const bool letters = std::ranges::all_of(words, [](std::string_view word) {
-      return !word.empty() && std::isalpha(static_cast<unsigned char>(word[0])) && !real_in(word);
+    const std::vector<std::string_view> names = // of columns, units behind some
+        file.line().find(',') != std::string_view::npos ? cells_of(file.line()) : words;
+    const bool letters = std::ranges::all_of(names, [](std::string_view column) {
+      return !column.empty() && std::isalpha(static_cast<unsigned char>(column[0])) && !real_in(column);
     });
     if (points.empty() && !headed && letters) {
-      if (!names_time(words[0]) && std::ranges::any_of(words, names_time))
+      if (!names_time(names[0]) && std::ranges::any_of(names, names_time))
         file.refuse(fmt::format("names the columns \"{}\": the first must be the time", shown(file.line())));
       headed = true;
       continue;
