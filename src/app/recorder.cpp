@@ -54,6 +54,7 @@ void Recorder::open_history()
                                    {"crack_farthest_broken", "m"}});
     files_.add_tip_columns(columns);
   }
+  files_.add_layout_columns(columns);
   files_.add_reaction_columns(columns);
   files_.expect_history(std::move(columns));
 }
@@ -99,6 +100,7 @@ void Recorder::write_history(const solve::Step& step)
       row.insert(row.end(), {at[0], at[1]});
     }
   }
+  files_.add_layout_row(row, converted_);
   row.insert(row.end(), reactions_.now.begin(), reactions_.now.end());
   files_.history->row(row);
 }
@@ -186,7 +188,7 @@ void Recorder::count(const solve::StaticReport& report)
   results["halvings"] = report.halvings;
   results["particles_held"] = report.held_rows;
   results["solve_iterations"] = series(report.solve_iterations);
-  if (options_.layout.may_change(1)) results["layout_seconds"] = files_.layout_seconds;
+  files_.add_layout_results(converted_, ledger_ ? ledger_->balance().work : 0.0);
   if (!files_.grows()) return;
   results["solve_seconds"] = series(report.solve_seconds);
   results["solve_bonds_broken"] = series(report.solve_changes);

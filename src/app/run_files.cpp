@@ -10,6 +10,7 @@
 #include "pdx/io/agree.hpp"
 #include "pdx/io/earlier_files.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <utility>
@@ -44,9 +45,12 @@ void RunFiles::take_scene(const Standing& standing)
 {
   scene = standing;
   const field::Rows& rows = scene.model->system.rows;
-  std::int64_t counts[3] = {rows.nodes, rows.enriched, rows.particles};
+  std::int64_t counts[4] = {rows.nodes, rows.enriched, rows.particles, 0};
   for (std::int64_t& count : counts) count *= rows.dim;
-  MPI_Allreduce(MPI_IN_PLACE, counts, 3, MPI_INT64_T, MPI_SUM, comm_);
+  for (const mesh::Use use : {mesh::Use::plain, mesh::Use::cut})
+    counts[3] += std::ranges::count_if(scene.mesh->cells(use), [this](Index c) { return c < scene.mesh->owned_cells(); });
+  MPI_Allreduce(MPI_IN_PLACE, counts, 4, MPI_INT64_T, MPI_SUM, comm_);
+  elements_ = counts[3];
   summary.unknowns.fe = counts[0];
   summary.unknowns.enriched = counts[1];
   summary.unknowns.pd = counts[2];
@@ -65,6 +69,29 @@ void RunFiles::built(const Standing& standing)
                             options.case_name, elements + unknowns.pd, elements, unknowns.pd, scene.mesh->quality().cut,
                             scene.mesh->quality().imbalance));
   report_cracks();
+}
+
+void RunFiles::add_layout_columns(std::vector<io::Column>& columns) const
+{
+  if (options.layout.patches_move())
+    columns.insert(columns.end(),
+                   {{"particles", "-"}, {"elements", "-"}, {"relocations", "-"}, {"energy_relocated", "J"}});
+}
+
+void RunFiles::add_layout_row(std::vector<double>& row, double converted) const
+{
+  if (options.layout.patches_move())
+    row.insert(row.end(), {static_cast<double>(summary.unknowns.pd) / scene.model->system.rows.dim,
+                           static_cast<double>(elements_), static_cast<double>(summary.relocations), converted});
+}
+
+void RunFiles::add_layout_results(double converted, double work)
+{
+  const auto ranks = static_cast<int>(summary.partition.particles_per_rank.size());
+  if (!options.layout.may_change(ranks)) return;
+  summary.results["energy_converted"] = converted;
+  if (options.layout.patches_move() && work > 0.0) summary.results["energy_relocated_ratio"] = converted / work;
+  summary.results["layout_seconds"] = layout_seconds;
 }
 
 void RunFiles::report_cracks()

@@ -194,6 +194,16 @@ private:
     return now;
   }
 
+  /// Strain energy of all ranks [J].
+  double strain_energy(std::span<const double> u) const
+  {
+    std::vector<double> local;
+    d_->system.halo->fetch(u, d_->system.rows.dim, local);
+    double energy = d_->energies(local).elastic();
+    MPI_Allreduce(MPI_IN_PLACE, &energy, 1, MPI_DOUBLE, MPI_SUM, files_.comm());
+    return energy;
+  }
+
   std::vector<double> internal_force(std::span<const double> u) const
   {
     std::vector<double> local, force(u.size(), 0.0);
@@ -223,6 +233,7 @@ private:
     const double begin = MPI_Wtime();
     const NoStop whole; // the next step or load sees a signal that comes now
     const Moment now = moment(field::owned_values(u_.get()));
+    const double energy = strain_energy(field::owned_values(u_.get()));
     std::optional<Moment> accepted;
     if (open_) {
       for (const auto& after : d_->system.after) after->restore();
@@ -246,6 +257,7 @@ private:
       force = internal_force(start);
     }
     field::set_owned_values(u_.get(), u);
+    recorder_.book_change(strain_energy(u) - energy);
     dormant_ = move.dormant();
     recorder_.take_scene(standing(), load_, start, force);
     drive(std::move(report));

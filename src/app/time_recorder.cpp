@@ -23,6 +23,7 @@ void TimeRecorder::built(const Standing& scene)
                                   {"energy_residual", "J"}};
   if (d_->breaker) columns.insert(columns.end(), {{"energy_fracture", "J"}, {"bonds_broken", "-"}});
   if (cracks_) CrackWatch::columns(columns);
+  files_.add_layout_columns(columns);
   files_.add_reaction_columns(columns);
   files_.expect_history(std::move(columns));
 }
@@ -130,6 +131,7 @@ void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEn
                           e.residual()};
   if (d_->breaker) row.insert(row.end(), {e.stored.dissipated, static_cast<double>(broken_.bonds)});
   if (cracks_) cracks_->row(row);
+  files_.add_layout_row(row, converted_);
   std::vector<double> held;
   driver.moving().held_force(held);
   const std::vector<double> reactions = files_.reactions(held);
@@ -184,11 +186,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
   results["strain_energy_interface"] = e.stored.interface;
   results["external_work"] = e.work;
   results["initial_energy"] = e.initial;
-  const auto ranks = static_cast<int>(files_.summary.partition.particles_per_rank.size());
-  if (files_.options.layout.may_change(ranks)) {
-    results["energy_converted"] = e.converted;
-    results["layout_seconds"] = files_.layout_seconds;
-  }
+  files_.add_layout_results(e.converted, e.initial + e.work);
   write_tiles();
   if (d_->breaker) {
     results["fracture_energy"] = e.stored.dissipated;

@@ -9,6 +9,8 @@ import numpy as np
 LARGE = {"-options_file": "cases/central_crack/smoke.opts", "-quiet": ""}
 PLATE = LARGE | {"-pd_patches": "-0.009,-0.005,0.009,0.005", "-adapt": "expand"}
 SPACING = 1e-3 / 3
+# The same with patches that hand back what lies behind the tips.
+SNAIL = PLATE | {"-adapt": "relocate", "-output_history": ""}
 # Held so that it stretches evenly; cells beside its patch change hands.
 EVEN = {key: value for key, value in program.SMALL_PATCH.items() if not key.startswith("-bc_")} | {
     "-mesh_cells": "8,8",
@@ -72,8 +74,34 @@ class Adapt(program.ProgramTest):
         for row in grown.history():  # what changes took or gave is in the books
             self.assertLess(abs(row["energy_residual"]), 5e-3 * work)
 
+    def test_patches_that_go_along_break_what_a_large_patch_breaks(self):
+        large, moved = self.solve(LARGE | {"-output_history": ""}), self.solve(SNAIL)
+        for name in ("adapt_look", "adapt_contract", "layout_change"):
+            self.assertNotIn(name, large.events)
+            self.assertIn(name, moved.events)
+        self.assertLess(abs(moved.summary["bonds_broken"] / large.summary["bonds_broken"] - 1), 0.01)
+        a, b = large.summary["results"], moved.summary["results"]
+        self.assertLess(abs(a["crack_length"] - b["crack_length"]), 2 * SPACING)
+        self.assertLess(abs(b["energy_relocated_ratio"]), 5e-3)
+        elastic = [results["kinetic_energy"] + results["strain_energy"] for results in (a, b)]
+        self.assertLess(abs(elastic[1] / elastic[0] - 1), 5e-3)
+        self.assertLess(abs(a["fracture_energy"] - b["fracture_energy"]), 0.03 * a["fracture_energy"])
+        rows = moved.history()
+        for row in rows:
+            self.assertLess(abs(row["energy_residual"]), 2e-3 * a["external_work"])
+        self.assertEqual(rows[-1]["relocations"], moved.summary["relocations"])
+        self.assertEqual(2 * rows[-1]["particles"], moved.summary["unknowns"]["pd"])
+        self.assertTrue(any(x["particles"] > y["particles"] for x, y in zip(rows, rows[1:])), "nothing was handed back")
+        self.assertGreater(moved.summary["unknowns"]["enriched"], 24)  # the crack that elements carry
+
+    def test_ranks_break_the_same_bonds_in_patches_that_go_along(self):
+        self.break_the_same_bonds(SNAIL)
+
     def test_ranks_break_the_same_bonds(self):
-        runs = [self.solve(PLATE | {"-checkpoint_interval": "560"}, ranks) for ranks in (1, 2, 3)]
+        self.break_the_same_bonds(PLATE)
+
+    def break_the_same_bonds(self, options):
+        runs = [self.solve(options | {"-checkpoint_interval": "560"}, ranks) for ranks in (1, 2, 3)]
         tables = [checkpoint(run.directory)[0] for run in runs]
         for run, other in zip(runs[1:], tables[1:]):
             self.assertEqual(run.summary["relocations"], runs[0].summary["relocations"])
@@ -128,6 +156,20 @@ class Adapt(program.ProgramTest):
                     self.assertLess(abs(a["bonds_broken"] - b["bonds_broken"]), 10)
                     self.assertLess(abs(a["reaction_top_y"] - b["reaction_top_y"]), 4e-3 * abs(a["reaction_top_y"]))
                     self.assertLess(abs(a["energy_fracture"] - b["energy_fracture"]), 2e-3 * large.history()[-1]["work"])
+
+    def test_loads_move_a_patch_along(self):
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                large, moved = self.solve(BEAM, ranks), self.solve(SHORT | {"-adapt": "relocate"}, ranks)
+                column = 36  # bonds; the last may go a load earlier
+                self.assertLessEqual(abs(large.summary["bonds_broken"] - moved.summary["bonds_broken"]), column)
+                self.assertGreaterEqual(moved.summary["relocations"], 3)
+                self.assertLess(moved.summary["unknowns"]["pd"], 0.5 * large.summary["unknowns"]["pd"])
+                self.assertGreater(moved.history()[-1]["elements"], large.summary["unknowns"]["fe"] / 2)
+                for a, b in zip(large.history(), moved.history(), strict=True):
+                    self.assertLessEqual(abs(a["bonds_broken"] - b["bonds_broken"]), column)
+                    self.assertLess(abs(a["reaction_top_y"] - b["reaction_top_y"]), 0.02 * abs(a["reaction_top_y"]))
+                self.assertLess(abs(moved.summary["results"]["energy_relocated_ratio"]), 2e-2)
 
     def test_a_plate_that_flies_does_not_feel_cells_change_hands(self):
         for ranks in (1, 2, 3):

@@ -19,6 +19,7 @@ public:
   /// What is booked by row goes on in another scene.
   /// @param u, internal_force of its owned components at the load accepted last [m, N]
   void take_scene(const Standing& scene, double load, std::vector<double> u, std::span<const double> internal_force);
+  void book_change(double energy) { converted_ += energy; } ///< that a change of layout brought, of all ranks [J]
   void accept(const solve::Step& step, Vec u, const solve::StaticDriver& driver, const Prior& prior);
   void count(const solve::StaticReport& report); ///< what it cost so far, for the summary
   void finish(const solve::StaticReport& report);
@@ -40,6 +41,7 @@ private:
   const SceneOptions& options_;
   const Discretisation* d_ = nullptr;
   std::unique_ptr<post::EnergyLedger> ledger_;
+  double converted_ = 0.0; // [J]
   Reactions reactions_;
   std::optional<solve::Step> fields_due_; // the last accepted step, if its fields were left out
 };

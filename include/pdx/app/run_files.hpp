@@ -63,6 +63,10 @@ public:
   /// Columns of the reactions of held parts, one for each direction; the same for energies of a crack.
   void add_reaction_columns(std::vector<io::Column>& columns) const;
   void add_tip_columns(std::vector<io::Column>& columns) const;
+  /// Where patches move: particles, elements, changes so far, and the energy that they brought [J].
+  void add_layout_columns(std::vector<io::Column>& columns) const;
+  void add_layout_row(std::vector<double>& row, double converted) const;
+  void add_layout_results(double converted, double work);
   /// Sums per held part and direction of one value per owned component, sets left out [N].
   std::vector<double> reactions(std::span<const double> force) const;
 
@@ -88,5 +92,6 @@ private:
   std::unique_ptr<io::RunLock> lock_; // of the directory
   std::vector<io::Column> columns_;   // of history.csv; none: not asked for
   bool room_made_ = false;
+  std::int64_t elements_ = 0; // of all ranks
 };
 } // namespace pdx::app

@@ -166,8 +166,9 @@ TEST(Fill, NodesTakeQuadraticsFromParticles)
   test::Scene scene(plate({box(3, 3, 9, 9)}));
   const std::vector<double> u = scene.blocks(quadratic());
   const std::span<const double> fields[] = {u};
-  const std::vector<geom::Box<2>> boxes{box(3, 3, 5, 5), box(5, 3, 6, 4)};
-  const adapt::FreshRows fresh = adapt::fill_nodes(scene.d().view(scene.mesh()), boxes, fields);
+  adapt::LayoutChange change;
+  change.uncover = {box(3, 3, 5, 5), box(5, 3, 6, 4)};
+  const adapt::FreshRows fresh = adapt::fill_nodes(scene.d().view(scene.mesh()), change, fields);
   double worst = 0.0;
   for (std::size_t k = 0; k < fresh.names.size(); ++k) {
     ASSERT_EQ(fresh.names[k].kind(), field::RowName::Kind::node);
