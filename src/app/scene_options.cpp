@@ -51,6 +51,11 @@ law::Elastic read_material(bool describe, bool& solid)
 
 void read_patches(Options& o, PdOptions& pd)
 {
+  static constexpr const char* seeds[] = {"none", "tip"};
+  pd.seeded =
+      o.choice("-adapt_seed", 0, seeds,
+               "where no -pd_patches are given: none, or a patch at each tip of a crack, of the elements with a "
+               "node as near as -adapt_expansion_length") == 1;
   const std::string text = o.text("-pd_patches", "", "patches: x0,y0,x1,y1[,more] [m], or all");
   if (text.empty()) return;
   if (text == "all") {
@@ -117,10 +122,21 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
   if (o.given("-pd_horizon") && pd.cloud.empty())
     throw UserError("-pd_horizon is that of a -pd_cloud: give -pd_horizon_ratio for particles of a lattice");
   if (!pd.any()) return pd;
+  if (pd.seeded && !pd.cloud.empty())
+    throw UserError("-adapt_seed tip puts patches between elements, and a -pd_cloud has none: drop one of them");
+  if (pd.seeded && (pd.everywhere || !pd.patches.empty()))
+    throw UserError("-adapt_seed tip says where patches lie, and so do -pd_patches: give one of them");
   if (!pd.cloud.empty() && std::isnan(pd.horizon))
     throw UserError("-pd_horizon is missing: give the horizon of the cloud's bonds in m, e.g. three particles");
   if (!pd.cloud.empty()) {
     require_poisson(pd, elastic, solid, pd.horizon);
+    return pd;
+  }
+  if (pd.seeded && pd.spacing.size() > 1)
+    throw UserError(
+        fmt::format("-pd_spacing has {} values: must be one for the patches of -adapt_seed tip", pd.spacing.size()));
+  if (pd.seeded && pd.spacing.empty()) {
+    require_poisson(pd, elastic, solid, 1.0); // of any horizon
     return pd;
   }
   if (pd.spacing.empty()) throw UserError("-pd_spacing is missing: give the lattice spacing of the patches in m");
@@ -342,6 +358,9 @@ void judge(const SceneOptions& s)
   if (s.post.reference_fe && layered)
     throw UserError(
         "-post_reference_fe cannot stand beside -bc_..._layer: the reference has no material outside the body");
+  if (s.pd.seeded && s.cracks.lines.empty())
+    throw UserError("-adapt_seed tip puts patches at the tips of cracks, but there is none: give -crack_names, or "
+                    "-pd_patches");
   if (s.fracture.active() && !s.pd.any())
     throw UserError("-material_toughness breaks bonds, but there are no particles: give -pd_patches");
   if (!s.post.j_contours.empty() && !s.pd.any())
