@@ -61,7 +61,7 @@ double nearest_fit(std::span<const double> sides, double dx)
   };
   const double coarser = first_fit(std::floor(wanted), -1.0), finer = first_fit(std::floor(wanted) + 1.0, 1.0);
   if (coarser == 0.0 || finer == 0.0) return std::max(coarser, finer);
-  return coarser - dx < dx - finer ? coarser : finer;
+  return coarser - dx <= (1.0 + kFits) * (dx - finer) ? coarser : finer; // as near: the cheaper
 }
 
 std::vector<std::vector<std::size_t>> patches_of_boxes(const SceneOptions& options)

@@ -2,6 +2,7 @@
 
 #include "pdx/app/cloud_body.hpp"
 #include "pdx/app/patch_mover.hpp"
+#include "pdx/app/seeds.hpp"
 #include "pdx/base/number.hpp"
 #include "pdx/base/shown.hpp"
 #include "pdx/law/bond.hpp"
@@ -122,28 +123,19 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
   if (o.given("-pd_horizon") && pd.cloud.empty())
     throw UserError("-pd_horizon is that of a -pd_cloud: give -pd_horizon_ratio for particles of a lattice");
   if (!pd.any()) return pd;
-  if (pd.seeded && !pd.cloud.empty())
-    throw UserError("-adapt_seed tip puts patches between elements, and a -pd_cloud has none: drop one of them");
-  if (pd.seeded && (pd.everywhere || !pd.patches.empty()))
-    throw UserError("-adapt_seed tip says where patches lie, and so do -pd_patches: give one of them");
   if (!pd.cloud.empty() && std::isnan(pd.horizon))
     throw UserError("-pd_horizon is missing: give the horizon of the cloud's bonds in m, e.g. three particles");
   if (!pd.cloud.empty()) {
     require_poisson(pd, elastic, solid, pd.horizon);
     return pd;
   }
-  if (pd.seeded && pd.spacing.size() > 1)
-    throw UserError(
-        fmt::format("-pd_spacing has {} values: must be one for the patches of -adapt_seed tip", pd.spacing.size()));
-  if (pd.seeded && pd.spacing.empty()) {
-    require_poisson(pd, elastic, solid, 1.0); // of any horizon
-    return pd;
-  }
-  if (pd.spacing.empty()) throw UserError("-pd_spacing is missing: give the lattice spacing of the patches in m");
-  if (pd.spacing.size() > 1 && pd.spacing.size() != pd.patches.size())
+  if (pd.spacing.empty() && !pd.seeded)
+    throw UserError("-pd_spacing is missing: give the lattice spacing of the patches in m");
+  if (pd.spacing.size() > 1 && pd.spacing.size() != pd.patches.size() && !pd.seeded)
     throw UserError(fmt::format("-pd_spacing has {} values for {} patches: give one, or one per patch",
                                 pd.spacing.size(), pd.patches.size()));
-  require_poisson(pd, elastic, solid, pd.horizon_ratio * pd.spacing[0]);
+  const double dx = pd.spacing.empty() ? 1.0 : pd.spacing[0]; // the ratio is that of any horizon
+  require_poisson(pd, elastic, solid, pd.horizon_ratio * dx);
   return pd;
 }
 
@@ -345,6 +337,7 @@ void judge_solid(const SceneOptions& s)
 
 void judge(const SceneOptions& s)
 {
+  if (s.pd.seeded) judge_seeds(s);
   if (!s.pd.cloud.empty()) return judge_cloud(s), judge_time(s);
   if (s.solid) judge_solid(s);
   const bool layered = std::any_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.layer; });
@@ -358,9 +351,6 @@ void judge(const SceneOptions& s)
   if (s.post.reference_fe && layered)
     throw UserError(
         "-post_reference_fe cannot stand beside -bc_..._layer: the reference has no material outside the body");
-  if (s.pd.seeded && s.cracks.lines.empty())
-    throw UserError("-adapt_seed tip puts patches at the tips of cracks, but there is none: give -crack_names, or "
-                    "-pd_patches");
   if (s.fracture.active() && !s.pd.any())
     throw UserError("-material_toughness breaks bonds, but there are no particles: give -pd_patches");
   if (!s.post.j_contours.empty() && !s.pd.any())

@@ -137,6 +137,21 @@ std::vector<geom::Box<2>> apart(const std::vector<geom::Box<2>>& boxes, double n
 }
 } // namespace
 
+void judge_seeds(const SceneOptions& options)
+{
+  const PdOptions& pd = options.pd;
+  if (!pd.cloud.empty())
+    throw UserError("-adapt_seed tip puts patches between elements, and a -pd_cloud has none: drop one of them");
+  if (pd.everywhere || !pd.patches.empty())
+    throw UserError("-adapt_seed tip says where patches lie, and so do -pd_patches: give one of them");
+  if (options.cracks.lines.empty())
+    throw UserError("-adapt_seed tip puts patches at the tips of cracks, but there is none: give -crack_names, or "
+                    "-pd_patches");
+  if (pd.spacing.size() > 1)
+    throw UserError(
+        fmt::format("-pd_spacing has {} values: must be one for the patches of -adapt_seed tip", pd.spacing.size()));
+}
+
 void plant_seeds(MPI_Comm comm, SceneOptions& options)
 {
   const std::vector<SeedTip> seeds = tips_inside(comm, options);

@@ -4,6 +4,9 @@
 namespace pdx::app {
 constexpr double kSeedShare = 0.25; ///< spacing where none is given, in sides of an element [-]
 
+/// Throws UserError where `-adapt_seed tip` cannot be, as far as options alone tell.
+void judge_seeds(const SceneOptions& options);
+
 /// Puts the patches of `-adapt_seed tip` into settled options, as if they had been given by `-pd_patches`: around each
 /// tip of a crack the elements that expansion would take if there were damage. Boxes that overlap are cut apart; those
 /// that touch make up one patch. Chooses the spacing where none is given. Collective. Throws UserError, alike on every
