@@ -10,9 +10,9 @@ namespace pdx::adapt {
 namespace {
 /// A box of whole elements, counted in spacings and in [m].
 struct Block {
-  Site<2> from, to;
+  std::array<std::int64_t, 2> from, to;
   geom::Box<2> box;
-  std::int64_t sites() const { return static_cast<std::int64_t>(to[0] - from[0]) * (to[1] - from[1]); }
+  std::int64_t sites() const { return (to[0] - from[0]) * (to[1] - from[1]); }
 };
 
 Block block_of(const geom::Box<2>& box, const geom::Lattice<2>& lattice)
@@ -20,8 +20,8 @@ Block block_of(const geom::Box<2>& box, const geom::Lattice<2>& lattice)
   Block block{{}, {}, box};
   for (std::size_t d = 0; d < 2; ++d) {
     const auto e = static_cast<Eigen::Index>(d);
-    block.from[d] = static_cast<Index>(std::round((box.lower[e] - lattice.origin[e]) / lattice.dx));
-    block.to[d] = static_cast<Index>(std::round((box.upper[e] - lattice.origin[e]) / lattice.dx));
+    block.from[d] = static_cast<std::int64_t>(std::round((box.lower[e] - lattice.origin[e]) / lattice.dx));
+    block.to[d] = static_cast<std::int64_t>(std::round((box.upper[e] - lattice.origin[e]) / lattice.dx));
   }
   return block;
 }
@@ -73,15 +73,15 @@ private:
     Block block;
     bool wanted;
   };
-  using Offers = std::map<Index, std::vector<Offer>>; // by the line on which they begin
+  using Offers = std::map<std::int64_t, std::vector<Offer>>; // by the line on which they begin
 
-  std::optional<Block> layer(std::size_t axis, const Offers& offers, Index line) const
+  std::optional<Block> layer(std::size_t axis, const Offers& offers, std::int64_t line) const
   {
     const auto found = offers.find(line);
     if (found == offers.end()) return std::nullopt;
     const std::size_t across = 1 - axis;
     std::optional<Block> first;
-    Index filled = 0;
+    std::int64_t filled = 0;
     bool wanted = false;
     for (const auto& [block, is_wanted] : found->second) {
       if (block.from[across] < now_.from[across] || block.to[across] > now_.to[across]) continue;

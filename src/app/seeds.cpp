@@ -9,6 +9,7 @@
 #include "joined_boxes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -61,7 +62,7 @@ std::vector<SeedTip> tips_inside(MPI_Comm comm, const SceneOptions& options)
   return inside;
 }
 
-/// Sides of the elements at a tip along the axes [m].
+/// Width and height of the elements at a tip, one after the other [m].
 std::vector<double> sides_at(const SeedTip& seed)
 {
   std::vector<double> sides;
@@ -76,19 +77,24 @@ std::vector<double> sides_at(const SeedTip& seed)
   return sides;
 }
 
+bool divides(double dx, double side)
+{
+  const double count = side / dx;
+  return std::round(count) >= 1.0 && std::abs(count - std::round(count)) <= kFits * std::max(1.0, count);
+}
+
 void require_spacing(const SeedTip& seed, double dx)
 {
   const std::vector<double> sides = sides_at(seed);
-  const auto fits = [dx](double side) {
-    const double count = side / dx;
-    return std::round(count) >= 1.0 && std::abs(count - std::round(count)) <= adapt::kFits * count;
-  };
-  if (std::ranges::all_of(sides, fits)) return;
-  const double fit = nearest_fit(sides, dx);
-  throw UserError(fmt::format(
-      "-pd_spacing is {}: the sides of the elements at {}, {:.6g} and {:.6g} m, must be whole numbers of it; {}", dx,
-      seed.place, sides[0], sides[1],
-      fit > 0.0 ? fmt::format("the nearest that fits is {:.10g}", fit) : "none near fits: change the mesh"));
+  for (std::size_t k = 0; k < sides.size(); k += 2) {
+    if (divides(dx, sides[k]) && divides(dx, sides[k + 1])) continue;
+    const double fit = nearest_fit(sides, dx);
+    throw UserError(fmt::format(
+        "-pd_spacing is {}: the sides {:.6g} and {:.6g} m of an element at {} must be whole numbers of it; {}", dx,
+        sides[k], sides[k + 1], seed.place,
+        fit > 0.0 ? fmt::format("the nearest that fits is {:.10g}", fit) : "none near fits: change the mesh"));
+  }
+  for (const adapt::Corners& element : seed.own) (void)lattice_in<2>(adapt::box_around(element), dx); // not too many
 }
 
 /// The spacing nearest to a quarter of the smallest element that divides those at all tips [m].

@@ -90,11 +90,11 @@ LayoutOptions LayoutOptions::read()
              "patches move where bonds broke as near to elements; 0: explicit the larger of 3 horizons and an element, "
              "static 2 horizons",
              Range::at_least(0.0));
-  l.expansion_length =
-      o.real("-adapt_expansion_length", 0.0, "m",
-             "elements with a node as near to such bonds become particles; 0: explicit the larger of 7 horizons and 2 "
-             "elements, static 4 horizons",
-             Range::at_least(0.0));
+  l.expansion_length = o.real("-adapt_expansion_length", 0.0, "m",
+                              "elements with a node as near to such bonds, or to a tip of -adapt_seed, become "
+                              "particles; 0: explicit the larger of 7 horizons and 2 "
+                              "elements, static 4 horizons",
+                              Range::at_least(0.0));
   l.adapt_interval =
       o.integer("-adapt_every", 1, "explicit: steps from one look for such bonds to the next", {1.0, 1e9});
   if (l.rebalance_threshold > 0.0 && l.rebalance_threshold < kLeastThreshold)

@@ -332,12 +332,13 @@ CASES = [
     seed("seeds of a crack through the body", r"-adapt_seed tip\b.*no crack ends inside", crack_a_points="0,0.5,1,0.5"),
     seed("seeds of a crack outside", r"crack 1\b.*no part of it is in the body", crack_a_points="2,2,3,3"),
     seed("seeds of two spacings", r"-pd_spacing\b.*2 values.*one", pd_spacing="0.05,0.025"),
-    seed("2.5 spacings in an element at a tip", r"-pd_spacing is 0\.1\b.*tip \(0\.6, 0\.5\) of crack 1, 0\.25 and 0\.25 m.*"
+    seed("2.5 spacings in an element at a tip", r"-pd_spacing is 0\.1\b.*0\.25 and 0\.25 m.*tip \(0\.6, 0\.5\) of crack 1\b.*"
          r"nearest that fits is 0\.08333333333", pd_spacing="0.1"),
     seed("a spacing above the elements at a tip", r"-pd_spacing is 0\.4\b.*nearest that fits is 0\.25", pd_spacing="0.4"),
     seed("a spacing that fits one side of elements", r"-pd_spacing is 0\.04\b.*0\.25 and 0\.2 m.*fits is 0\.05",
          mesh_cells="4,5", pd_spacing="0.04"),
     seed("no spacing divides elements at tips", r"-pd_spacing is missing\b.*0\.0192308", mesh_cells="9,13", pd_spacing=None),
+    seed("seeds of particles beyond number", r"-pd_spacing is 1e-09\b.*more than", pd_spacing="1e-9"),
     seed("seeds at another Poisson's ratio", r"-material_poisson is 0\.2\b", material_poisson="0.2", pd_spacing=None),
     seed("seeds with a length of moving patches", r"-adapt_critical_length\b.*-adapt expand", adapt_critical_length="0.1"),
     cloud("seeds in a cloud", r"-adapt_seed tip\b.*-pd_cloud", adapt_seed="tip", crack_names="a",
