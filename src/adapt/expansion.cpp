@@ -1,5 +1,6 @@
 #include "pdx/adapt/expansion.hpp"
 
+#include "pdx/adapt/divided.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/geom/box_cover.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
@@ -10,7 +11,6 @@
 namespace pdx::adapt {
 namespace {
 constexpr double kFits = 1e-6; // of a spacing, for sides of elements on lines of the lattice
-constexpr double kSame = 1e-9; // of a distance: what is as far to rounding is judged alike
 
 /// New damage next to the interface.
 struct Front {
@@ -45,18 +45,6 @@ std::vector<Front> fronts(const SceneView& scene, std::span<const Reaches> reach
     if (scene.around[patch].distance(p.x) < critical) mine.push_back({p.patch, {p.x[0], p.x[1]}});
   }
   return gather_all(scene.mesh.comm(), mine);
-}
-
-/// Does a cell have the sides of whole cells of a lattice?
-bool is_divided(const std::array<Vector<2>, 4>& corners, const geom::Box<2>& box, const geom::Lattice<2>& lattice)
-{
-  for (const Vector<2>& x : corners)
-    for (Eigen::Index d = 0; d < 2; ++d) {
-      const double line = (x[d] - lattice.origin[d]) / lattice.dx;
-      const bool on_box = std::min(std::abs(x[d] - box.lower[d]), std::abs(x[d] - box.upper[d])) < kFits * lattice.dx;
-      if (!on_box || std::abs(line - std::round(line)) > kFits * std::max(1.0, std::abs(line))) return false;
-    }
-  return true;
 }
 
 struct Found {
@@ -148,7 +136,7 @@ bool can_expand(const SceneView& scene)
   for (Index c = 0; c < scene.mesh.owned_cells(); ++c)
     for (const couple::Surroundings& around : scene.around) {
       any = any || (scene.mesh.use(c) != mesh::Use::covered &&
-                    is_divided(scene.mesh.corners(c), box_of(scene.mesh, c), around.shape().lattice));
+                    is_divided(scene.mesh.corners(c), around.shape().lattice));
     }
   return any_rank(scene.mesh.comm(), any);
 }
@@ -173,7 +161,7 @@ std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<con
       if (patch >= first || !box.contains(at, far)) continue;
       if (std::ranges::none_of(corners, [&](const Vector<2>& x) { return (x - at).norm() < far; })) continue;
       const geom::Lattice<2>& lattice = scene.around[patch].shape().lattice;
-      if (is_divided(corners, box, lattice) && !meets_another(scene, box, anchor_of(lattice))) first = patch;
+      if (is_divided(corners, lattice) && !meets_another(scene, box, anchor_of(lattice))) first = patch;
     }
     if (first < scene.around.size()) mine.push_back(found(mesh, c, box, scene.around[first].shape().lattice));
   }
@@ -196,7 +184,7 @@ LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box, bool spa
     const geom::Box<2> cell = box_of(mesh, c);
     if (mesh.use(c) == mesh::Use::covered && is_whole(scene, c))
       covered.push_back(found(mesh, c, cell, lattice));
-    else if (mesh.use(c) != mesh::Use::covered && is_divided(mesh.corners(c), cell, lattice) &&
+    else if (mesh.use(c) != mesh::Use::covered && is_divided(mesh.corners(c), lattice) &&
              !meets_another(scene, cell, anchor_of(lattice)))
       elements.push_back(found(mesh, c, cell, lattice));
   }

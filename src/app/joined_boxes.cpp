@@ -45,6 +45,25 @@ void require_one_lattice(const SceneOptions& options, std::size_t p, std::size_t
 }
 } // namespace
 
+double nearest_fit(std::span<const double> sides, double dx)
+{
+  const double wanted = sides[0] / dx;
+  const auto fits_all = [sides](double fit) {
+    return std::ranges::all_of(sides, [fit](double side) {
+      const double count = side / fit;
+      return std::round(count) >= 1.0 && std::abs(fraction(count)) < kFits;
+    });
+  };
+  const auto first_fit = [&](double from, double step) {
+    for (double n = from, tries = 0; n >= 1.0 && n <= 2.0 * wanted && tries < 1e6; n += step, ++tries)
+      if (fits_all(sides[0] / n)) return sides[0] / n;
+    return 0.0;
+  };
+  const double coarser = first_fit(std::floor(wanted), -1.0), finer = first_fit(std::floor(wanted) + 1.0, 1.0);
+  if (coarser == 0.0 || finer == 0.0) return std::max(coarser, finer);
+  return coarser - dx <= (1.0 + kFits) * (dx - finer) ? coarser : finer; // as near: the cheaper
+}
+
 std::vector<std::vector<std::size_t>> patches_of_boxes(const SceneOptions& options)
 {
   const std::vector<geom::Box<2>>& boxes = options.pd.patches;

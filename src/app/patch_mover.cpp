@@ -21,21 +21,35 @@ double length(double given, const Usual& usual, double horizon, double element)
 {
   return given > 0.0 ? given : std::max(usual.horizons * horizon, usual.elements * element);
 }
+
+/// Options of patches that move, where none do.
+void refuse_lengths(const SceneOptions& s)
+{
+  for (const char* name : {"-adapt_critical_length", "-adapt_every"})
+    if (Options("layout").given(name))
+      throw UserError(fmt::format("{} steers patches that move: give -adapt expand or relocate, or drop it", name));
+  if (!s.pd.seeded && Options("layout").given("-adapt_expansion_length"))
+    throw UserError("-adapt_expansion_length steers patches that move, and those of -adapt_seed tip: give -adapt "
+                    "expand, relocate or that, or drop it");
+}
 } // namespace
+
+double expansion_length(const SceneOptions& options, double horizon, double element)
+{
+  return length(options.layout.expansion_length, kExpansion[options.time.dynamic()], horizon, element);
+}
 
 void PatchMover::judge(const SceneOptions& s)
 {
-  if (s.layout.adapt == Adapt::none)
-    for (const char* name : {"-adapt_critical_length", "-adapt_expansion_length", "-adapt_every"})
-      if (Options("layout").given(name))
-        throw UserError(fmt::format("{} steers patches that move: give -adapt expand or relocate, or drop it", name));
+  if (s.layout.adapt == Adapt::none) refuse_lengths(s);
   if (s.layout.adapt != Adapt::relocate)
     for (const char* name : {"-adapt_contraction_length", "-adapt_expansions"})
       if (Options("layout").given(name))
         throw UserError(fmt::format("{} steers what patches hand back: give -adapt relocate, or drop it", name));
   if (!s.layout.patches_move()) return;
-  if (s.pd.patches.empty())
-    throw UserError("-adapt (-layout_renew_box) moves patches between elements: give boxes by -pd_patches, or drop it");
+  if (s.pd.patches.empty() && !s.pd.seeded)
+    throw UserError("-adapt (-layout_renew_box) moves patches between elements: give boxes by -pd_patches, or "
+                    "-adapt_seed tip, or drop it");
   if (s.time.analysis == Analysis::implicit_dynamics)
     throw UserError("-adapt (-layout_renew_box): implicit steps keep their layout; give -analysis explicit or static");
   if (s.scheme != couple::Scheme::energy)
@@ -50,11 +64,9 @@ void PatchMover::judge(const SceneOptions& s)
 
 adapt::Reaches PatchMover::reaches(const couple::Surroundings& around, double horizon) const
 {
-  const LayoutOptions& given = options_.layout;
-  const std::size_t in_time = options_.time.dynamic();
   const double element = around.shortest_edge();
-  return {length(given.critical_length, kCritical[in_time], horizon, element),
-          length(given.expansion_length, kExpansion[in_time], horizon, element)};
+  return {length(options_.layout.critical_length, kCritical[options_.time.dynamic()], horizon, element),
+          expansion_length(options_, horizon, element)};
 }
 
 std::vector<adapt::Reaches> PatchMover::reaches(const adapt::SceneView& scene, const PatchPlan& plan) const

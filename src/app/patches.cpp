@@ -13,20 +13,6 @@ namespace pdx::app {
 namespace {
 constexpr double kCoarseCells = 4.0; // background cells of peridynamics-only scenes, in spacings
 
-/// The spacing nearest to dx that divides all sides, 0 if there is none within a factor of two.
-template <int Dim> double nearest_fit(const Vector<Dim>& sides, double dx)
-{
-  const double wanted = std::round(sides[0] / dx);
-  for (int k = 0; k <= static_cast<int>(std::min(wanted, 1e6)); ++k)
-    for (const double n : {wanted + k, wanted - k}) {
-      if (n < 1.0) continue;
-      const double fit = sides[0] / n;
-      const Eigen::Array<double, Dim, 1> counts = sides.array() / fit;
-      if ((counts.round() >= 1.0).all() && ((counts - counts.round()).abs() < kFits).all()) return fit;
-    }
-  return 0.0;
-}
-
 /// The body grown by the layers of a horizon that boundary conditions ask for.
 geom::Box<2> with_layers(const SceneOptions& options, geom::Box<2> box, double dx)
 {
@@ -77,7 +63,7 @@ template <int Dim> geom::Lattice<Dim> lattice_in(const geom::Box<Dim>& box, doub
   for (std::size_t d = 0; d < Dim; ++d) {
     const double n = counts[static_cast<Eigen::Index>(d)];
     if (std::abs(n - std::round(n)) > kFits || std::round(n) < 1.0) {
-      const double fit = nearest_fit<Dim>(sides, dx);
+      const double fit = nearest_fit({sides.data(), Dim}, dx);
       throw UserError(fmt::format(
           "-pd_spacing is {}: the sides {} m of the {} must be whole numbers of it; {}", dx,
           fmt::join(sides.data(), sides.data() + Dim, Dim == 2 ? " and " : ", "), Dim == 2 ? "patch" : "solid",

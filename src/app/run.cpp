@@ -44,6 +44,7 @@ void run(MPI_Comm comm, double begin)
   if (options.pd.cloud.empty()) settle(comm, options);
   RunFiles files(comm, options, begin);
   for (const std::string& warning : options.warnings) files.warn(warning);
+  for (const std::string& note : options.notes) files.progress.line(note);
   try {
     if (!options.pd.cloud.empty())
       run_in_time(files, cloud_scene(comm, options));

@@ -3,6 +3,7 @@
 #include "pdx/app/cloud_body.hpp"
 #include "pdx/app/last_words.hpp"
 #include "pdx/app/output_blocks.hpp"
+#include "pdx/app/seeds.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/base/given_options.hpp"
 #include "pdx/base/machine_failure.hpp"
@@ -69,6 +70,7 @@ void RunFiles::built(const Standing& standing)
                             options.case_name, elements + unknowns.pd, elements, unknowns.pd, scene.mesh->quality().cut,
                             scene.mesh->quality().imbalance));
   report_cracks();
+  if (options.pd.seeded) summary.results["seeded_patches"] = given_boxes(options);
 }
 
 void RunFiles::add_layout_columns(std::vector<io::Column>& columns) const
@@ -108,7 +110,7 @@ void RunFiles::report_cracks()
                               report.dropped, options.cracks.rule.share()));
   for (const Vector<2>& tip : report.closed)
     warn(fmt::format("the crack tip at {} ends in elements and closes at the last element edge before it: put a patch "
-                     "there for a true tip",
+                     "there for a true tip (-adapt_seed tip does)",
                      options.frame.text(tip)));
 }
 

@@ -2,6 +2,7 @@
 
 #include "pdx/app/cloud_body.hpp"
 #include "pdx/app/patch_mover.hpp"
+#include "pdx/app/seeds.hpp"
 #include "pdx/base/number.hpp"
 #include "pdx/base/shown.hpp"
 #include "pdx/law/bond.hpp"
@@ -51,6 +52,11 @@ law::Elastic read_material(bool describe, bool& solid)
 
 void read_patches(Options& o, PdOptions& pd)
 {
+  static constexpr const char* seeds[] = {"none", "tip"};
+  pd.seeded =
+      o.choice("-adapt_seed", 0, seeds,
+               "where no -pd_patches are given: none, or a patch at each tip of a crack, of the elements with a "
+               "node as near as -adapt_expansion_length") == 1;
   const std::string text = o.text("-pd_patches", "", "patches: x0,y0,x1,y1[,more] [m], or all");
   if (text.empty()) return;
   if (text == "all") {
@@ -123,11 +129,13 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
     require_poisson(pd, elastic, solid, pd.horizon);
     return pd;
   }
-  if (pd.spacing.empty()) throw UserError("-pd_spacing is missing: give the lattice spacing of the patches in m");
-  if (pd.spacing.size() > 1 && pd.spacing.size() != pd.patches.size())
+  if (pd.spacing.empty() && !pd.seeded)
+    throw UserError("-pd_spacing is missing: give the lattice spacing of the patches in m");
+  if (pd.spacing.size() > 1 && pd.spacing.size() != pd.patches.size() && !pd.seeded)
     throw UserError(fmt::format("-pd_spacing has {} values for {} patches: give one, or one per patch",
                                 pd.spacing.size(), pd.patches.size()));
-  require_poisson(pd, elastic, solid, pd.horizon_ratio * pd.spacing[0]);
+  const double dx = pd.spacing.empty() ? 1.0 : pd.spacing[0]; // the ratio is that of any horizon
+  require_poisson(pd, elastic, solid, pd.horizon_ratio * dx);
   return pd;
 }
 
@@ -329,6 +337,7 @@ void judge_solid(const SceneOptions& s)
 
 void judge(const SceneOptions& s)
 {
+  if (s.pd.seeded) judge_seeds(s);
   if (!s.pd.cloud.empty()) return judge_cloud(s), judge_time(s);
   if (s.solid) judge_solid(s);
   const bool layered = std::any_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.layer; });

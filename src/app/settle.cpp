@@ -1,5 +1,6 @@
 #include "pdx/app/settle.hpp"
 
+#include "pdx/app/seeds.hpp"
 #include "pdx/mesh/gmsh.hpp"
 
 #include <algorithm>
@@ -26,7 +27,7 @@ void require_resolved(const geom::Frame& frame, double finest)
 double finest_of(const SceneOptions& options, double shortest_edge)
 {
   if (!options.pd.spacing.empty()) return std::min(shortest_edge, *std::ranges::min_element(options.pd.spacing));
-  return shortest_edge;
+  return options.pd.seeded ? kSeedShare * shortest_edge : shortest_edge;
 }
 
 /// The nearest of the lines `distance` apart, if it is as near as two roundings leave it.
@@ -107,5 +108,9 @@ void settle(MPI_Comm comm, SceneOptions& options)
   else if (mesh.cells[0] > 0)
     edge = std::min(mesh.box.size()[0] / mesh.cells[0], mesh.box.size()[1] / mesh.cells[1]);
   move_into(geom::Frame(mesh.box), finest_of(options, edge), options);
+  if (!options.pd.seeded) return;
+  plant_seeds(comm, options);
+  snap_patches(options);
+  snap_cracks(options);
 }
 } // namespace pdx::app

@@ -93,11 +93,11 @@ LayoutOptions LayoutOptions::read()
              "patches move where bonds broke as near to elements; 0: explicit the larger of 3 horizons and an element, "
              "static 2 horizons",
              Range::at_least(0.0));
-  l.expansion_length =
-      o.real("-adapt_expansion_length", 0.0, "m",
-             "elements with a node as near to such bonds become particles; 0: explicit the larger of 7 horizons and 2 "
-             "elements, static 4 horizons",
-             Range::at_least(0.0));
+  l.expansion_length = o.real("-adapt_expansion_length", 0.0, "m",
+                              "elements with a node as near to such bonds, or to a tip of -adapt_seed, become "
+                              "particles; 0: explicit the larger of 7 horizons and 2 "
+                              "elements, static 4 horizons",
+                              Range::at_least(0.0));
   l.contraction_length =
       o.real("-adapt_contraction_length", 0.0, "m",
              "particles as far behind a tip become elements; 0: explicit the larger of 8 horizons and 2.4 elements, "

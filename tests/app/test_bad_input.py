@@ -32,6 +32,9 @@ PLATE = {
 }
 # The patch covers the inner 2 x 2 cells: sides of 0.5 m, 10 particles along each.
 PATCH = PLATE | {"-pd_patches": "0.25,0.25,0.75,0.75", "-pd_spacing": "0.05", "-pd_horizon_ratio": "3.015"}
+# One around the tip of a crack.
+SEED = PLATE | {"-adapt_seed": "tip", "-pd_spacing": "0.0625", "-adapt_expansion_length": "0.2", "-crack_names": "a",
+                "-crack_a_points": "0,0.5,0.6,0.5"}
 # A block of 10 x 10 x 4 particles in space, thrown to the right.
 SOLID = {key: value for key, value in PLATE.items() if not key.startswith("-bc_")} | {
     "-mesh_cells": None,
@@ -135,6 +138,11 @@ def from_file(name, pattern, file):
 def crack(name, pattern, points, **change):
     """A case on the plate with one crack."""
     return plate(name, pattern, crack_names="a", crack_a_points=points, **change)
+
+
+def seed(name, pattern, **change):
+    """A case on the plate with patches at the tip of a crack."""
+    return Case(name, {f"-{key}": value for key, value in change.items()}, pattern, SEED)
 
 
 CASES = [
@@ -316,6 +324,27 @@ CASES = [
     plate("no pass", r"-load_passes\b.*0.*at least 1", load_passes="0"),
     plate("broken share zero", r"-load_broken_share\b.*0", load_broken_share="0"),
     plate("broken share above all", r"-load_broken_share\b.*2", load_broken_share="2"),
+    # --- patches at the tips of cracks
+    seed("unknown seed", r"-adapt_seed\b.*crack.*none, tip", adapt_seed="crack"),
+    seed("seeds beside patches", r"-adapt_seed tip\b.*-pd_patches", pd_patches="0.25,0.25,0.75,0.75"),
+    seed("seeds beside particles everywhere", r"-adapt_seed tip\b.*-pd_patches", pd_patches="all"),
+    seed("seeds without a crack", r"-adapt_seed tip\b.*-crack_names", crack_names=None, crack_a_points=None),
+    seed("seeds of a crack through the body", r"-adapt_seed tip\b.*no crack ends inside", crack_a_points="0,0.5,1,0.5"),
+    seed("seeds of a crack outside", r"crack 1\b.*no part of it is in the body", crack_a_points="2,2,3,3"),
+    seed("seeds of two spacings", r"-pd_spacing\b.*2 values.*one", pd_spacing="0.05,0.025"),
+    seed("2.5 spacings in an element at a tip", r"-pd_spacing is 0\.1\b.*0\.25 and 0\.25 m.*tip \(0\.6, 0\.5\) of crack 1\b.*"
+         r"nearest that fits is 0\.08333333333", pd_spacing="0.1"),
+    seed("a spacing above the elements at a tip", r"-pd_spacing is 0\.4\b.*nearest that fits is 0\.25", pd_spacing="0.4"),
+    seed("a spacing that fits one side of elements", r"-pd_spacing is 0\.04\b.*0\.25 and 0\.2 m.*fits is 0\.05",
+         mesh_cells="4,5", pd_spacing="0.04"),
+    seed("no spacing divides elements at tips", r"-pd_spacing is missing\b.*0\.0192308", mesh_cells="9,13", pd_spacing=None),
+    seed("seeds of particles beyond number", r"-pd_spacing is 1e-09\b.*more than", pd_spacing="1e-9"),
+    seed("seeds at another Poisson's ratio", r"-material_poisson is 0\.2\b", material_poisson="0.2", pd_spacing=None),
+    seed("seeds with a length of moving patches", r"-adapt_critical_length\b.*-adapt expand", adapt_critical_length="0.1"),
+    cloud("seeds in a cloud", r"-adapt_seed tip\b.*-pd_cloud", adapt_seed="tip", crack_names="a",
+          crack_a_points="0,0.5,0.5,0.5"),
+    solid("seeds in space", r"-material_plane solid\b.*-pd_patches all", adapt_seed="tip", pd_patches=None,
+          crack_names="a", crack_a_points="0,0.5,0.5,0.5"),
     # --- J and output
     patch("contour without size", r"-post_j_contours\b.*above 0", post_j_contours="0.2,0"),
     patch("contour of a word", r"-post_j_contours\b.*big", post_j_contours="big"),
@@ -421,6 +450,7 @@ GOOD = [
     Case("cracks from a file and by name",
          {"-crack_file": "{dir}/good.cracks", "-crack_names": "a", "-crack_a_points": "0,0.1,1,0.1"}, "", PLATE),
     Case("a toughness in the patch", {"-material_toughness": "5"}, "", PATCH),
+    Case("a patch at the tip of a crack", {}, "", SEED),
     Case("a block in space", {}, "", SOLID),
     Case("a block in space with two components", {"-bc_left_velocity": "1,0", "-bc_left_traction": "1,0"}, "", SOLID),
     Case("a block in space on its front", {"-bc_left_on": "front", "-bc_left_traction": "1,0,3"}, "", SOLID),

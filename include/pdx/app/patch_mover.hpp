@@ -5,6 +5,10 @@
 #include "pdx/app/patches.hpp"
 
 namespace pdx::app {
+/// How near to damage, or to the tip of a crack that is given, elements become particles [m].
+/// @param element the smallest side of elements there [m]
+double expansion_length(const SceneOptions& options, double horizon, double element);
+
 /// Says when patches move and where to, as the options ask for it. All methods are collective.
 class PatchMover {
 public:

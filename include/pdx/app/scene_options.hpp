@@ -53,7 +53,8 @@ struct PdOptions {
   SurfaceCorrection surface_correction = SurfaceCorrection::automatic;
   PdOperator solver = PdOperator::automatic;
   double skip_tolerance = 0.0; ///< explicit: bonds whose displacements do not exceed it are skipped; below 0: none [m]
-  bool any() const { return everywhere || !patches.empty() || !cloud.empty(); }
+  bool seeded = false;         ///< -adapt_seed tip: `patches` lie at the tips of cracks, once the scene is settled
+  bool any() const { return everywhere || !patches.empty() || !cloud.empty() || seeded; }
   double spacing_of(std::size_t patch) const { return spacing.size() == 1 ? spacing[0] : spacing[patch]; }
 };
 
@@ -84,6 +85,7 @@ struct SceneOptions {
   PostOptions post;
   OutputOptions output;
   std::vector<std::string> warnings; ///< of what was taken otherwise than written
+  std::vector<std::string> notes;    ///< of what was chosen because nothing was written
 
   pd::Kinematics bond_kinematics() const
   {
