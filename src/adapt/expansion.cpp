@@ -10,7 +10,6 @@
 
 namespace pdx::adapt {
 namespace {
-constexpr double kFits = 1e-6; // of a spacing, for sides of elements on lines of the lattice
 
 /// New damage next to the interface.
 struct Front {
