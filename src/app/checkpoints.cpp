@@ -130,7 +130,7 @@ void Checkpoints::read_head()
   int here = std::filesystem::equivalent(directory.empty() ? "." : directory, files_.options.output.directory, none);
   MPI_Bcast(&here, 1, MPI_INT, 0, files_.comm());
   refuse_another(kOptions, given_); // before a scene is built by what the file says
-  from_layout_ = Layout::read(*from_, Layout::given(files_.options), files_.options.layout.patches_move());
+  from_layout_ = Layout::read(*from_, files_.options);
   files_.continued = {here != 0, static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
 }
 
