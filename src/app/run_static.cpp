@@ -175,12 +175,13 @@ private:
   {
     Moment now{capture(standing()), d_->fracture ? d_->fracture->all() : pd::Broken{}};
     now.state.moving.u.assign(u.begin(), u.end());
-    add_dormant(now.state, dormant_);
-    if (change_.empty()) return now;
-    std::vector<double> local;
-    d_->system.halo->fetch(u, now.state.dim, local);
-    const std::span<const double> fields[] = {local};
-    add_rows(now.state, adapt::fill(d_->view(ground_->mesh), change_, fields));
+    if (!change_.empty()) {
+      std::vector<double> local;
+      d_->system.halo->fetch(u, now.state.dim, local);
+      const std::span<const double> fields[] = {local};
+      add_rows(now.state, adapt::fill(d_->view(ground_->mesh), change_, fields));
+    }
+    add_dormant(files_.comm(), now.state, dormant_); // to the rows that are new, too
     return now;
   }
 
