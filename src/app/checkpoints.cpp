@@ -130,7 +130,8 @@ void Checkpoints::read_head()
   int here = std::filesystem::equivalent(directory.empty() ? "." : directory, files_.options.output.directory, none);
   MPI_Bcast(&here, 1, MPI_INT, 0, files_.comm());
   refuse_another(kOptions, given_); // before a scene is built by what the file says
-  from_layout_ = Layout::read(*from_, Layout::given(files_.options), files_.options.layout.patches_move());
+  from_layout_ = Layout::read(*from_, files_.options);
+  if (files_.options.layout.patches_move()) dormant_ = Dormant::read(files_.comm(), *from_);
   files_.continued = {here != 0, static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
 }
 
@@ -147,9 +148,11 @@ void Checkpoints::stand_on(const Standing& scene, const Layout& layout)
   tables_.reset();
 }
 
-void Checkpoints::take_scene(const Standing& scene, const Layout& layout, const TimeRecorder& recorder)
+void Checkpoints::take_scene(const Standing& scene, const Layout& layout, const Dormant& dormant,
+                             const TimeRecorder& recorder)
 {
   stand_on(scene, layout);
+  dormant_ = dormant;
   sound_ = kept_now(recorder);
 }
 
@@ -286,6 +289,7 @@ void Checkpoints::write(const solve::TimeDriver& driver, Kept kept)
     file.text(kOptions, given_);
     file.text(kScene, tables().scene());
     layout_.write(file);
+    if (files_.options.layout.patches_move()) dormant_.write(file);
     write_numbers(file, numbers, rank_in(files_.comm()) == 0);
     write_sums(file, driver);
     tables().write(file, capture(scene_, driver, kept.cracks));

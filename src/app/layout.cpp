@@ -1,5 +1,6 @@
 #include "pdx/app/layout.hpp"
 
+#include "pdx/crack/crack_set.hpp"
 #include "pdx/geom/box_cover.hpp"
 
 #include <algorithm>
@@ -29,6 +30,24 @@ bool same_patches(const Layout& a, const Layout& b)
     return p.lower == q.lower && p.upper == q.upper;
   };
   return a.spacing == b.spacing && std::ranges::equal(a.patches, b.patches, same);
+}
+
+/// Are the lines those given, and what grew from their tips?
+bool are_grown(const std::vector<crack::Polyline>& lines, const crack::CrackSet& given)
+{
+  if (lines.size() != static_cast<std::size_t>(given.size())) return false;
+  const auto grows = [&given](int crack, bool last) {
+    return std::ranges::any_of(given.tips(),
+                               [&](const crack::Tip& tip) { return tip.crack == crack && tip.last == last; });
+  };
+  for (int k = 0; k < given.size(); ++k) {
+    const crack::Polyline& line = lines[static_cast<std::size_t>(k)];
+    const auto known = std::ranges::search(line, given.points(k));
+    if (known.empty() || (known.begin() != line.begin() && !grows(k, false)) ||
+        (known.end() != line.end() && !grows(k, true)))
+      return false;
+  }
+  return true;
 }
 } // namespace
 
@@ -99,8 +118,10 @@ void Layout::write(io::Hdf5File& file) const
   file.dataset(kCracks, std::span<const double>(points), 3);
 }
 
-Layout Layout::read(const io::SealedReader& file, const Layout& given, bool patches_move)
+Layout Layout::read(const io::SealedReader& file, const SceneOptions& options)
 {
+  const Layout given = Layout::given(options);
+  const bool patches_move = options.layout.patches_move();
   Layout layout;
   layout.anchors = given.anchors;
   const std::vector<double> boxes = table(file, kPatches, 5), points = table(file, kCracks, 3);
@@ -120,7 +141,9 @@ Layout Layout::read(const io::SealedReader& file, const Layout& given, bool patc
   }
   file.require(kPatches,
                patches_move || same_patches(layout, given) ? "" : "is not where the patches of this scene lie");
-  file.require(kCracks, layout.cracks == given.cracks ? "" : "is not where the cracks of this scene run");
+  const bool same = layout.cracks == given.cracks;
+  const bool grown = !same && patches_move && are_grown(layout.cracks, {given.cracks, options.mesh.box});
+  file.require(kCracks, same || grown ? "" : "is not where the cracks of this scene run");
   return layout;
 }
 } // namespace pdx::app

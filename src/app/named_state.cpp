@@ -6,14 +6,10 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <iterator>
-#include <map>
 #include <stdexcept>
 
 namespace pdx::app {
 namespace {
-constexpr int kLatticeWords = 2;
-
 /// Calls visit(bond term) where particles lie on a lattice.
 template <class Visit> void with_bonds(const Standing& scene, Visit&& visit)
 {
@@ -115,30 +111,6 @@ void add_rows(NamedState& state, const adapt::FreshRows& fresh)
   append(state.moving.u, 0);
   append(state.moving.v, 1);
   for (std::vector<double>* later : {&state.moving.a, &state.moving.held}) later->resize(state.moving.u.size(), 0.0);
-}
-
-/// Particles come anew where some are dormant: what broke counts, not what is new.
-void add_dormant(NamedState& state, const Dormant& dormant)
-{
-  if (state.carried) {
-    std::vector<std::uint64_t> all;
-    std::ranges::set_union(*state.carried, dormant.carried, std::back_inserter(all));
-    state.carried = std::move(all);
-  }
-  if (dormant.particles.empty()) return;
-  const auto width = static_cast<std::size_t>(state.words_per_particle);
-  std::map<std::uint64_t, std::size_t> known;
-  for (std::size_t k = 0; k < state.particles.size(); ++k) known[state.particles[k].value()] = k;
-  for (std::size_t k = 0; k < dormant.particles.size(); ++k) {
-    const auto [at, added] = known.try_emplace(dormant.particles[k].value(), state.particles.size());
-    if (added) {
-      state.particles.push_back(dormant.particles[k]);
-      state.gone.resize(state.gone.size() + width, 0);
-    }
-    std::copy_n(dormant.gone.begin() + static_cast<std::ptrdiff_t>(k * width), width,
-                state.gone.begin() + static_cast<std::ptrdiff_t>(at->second * width));
-  }
-  if (state.cracks) state.cracks->damage.resize(state.particles.size(), -1.0);
 }
 
 StateMove::StateMove(const NamedState& state, const Standing& scene, bool changed)

@@ -54,9 +54,6 @@ void PatchMover::judge(const SceneOptions& s)
     throw UserError("-adapt (-layout_renew_box): implicit steps keep their layout; give -analysis explicit or static");
   if (s.scheme != couple::Scheme::energy)
     throw UserError("-adapt (-layout_renew_box) makes patches of any shape, which need -couple_scheme energy");
-  if (s.layout.renew_box && s.time.checkpoint.any())
-    throw UserError(
-        "-layout_renew_box: checkpoints do not hold what it hides; drop it, or -checkpoint_... and -restart");
   if (s.layout.adapt == Adapt::none) return;
   if (!s.fracture.active())
     throw UserError("-adapt follows what breaks: give -material_toughness or -pd_critical_stretch");

@@ -28,7 +28,9 @@ public:
         balance_(files.comm(), files.options.layout.rebalance_threshold), mover_(files.options)
   {
     if (!implicit_) checkpoints_.emplace(files);
-    if (checkpoints_ && checkpoints_->restarted()) layout_ = *checkpoints_->restarted();
+    if (!goes_on()) return;
+    layout_ = *checkpoints_->restarted();
+    dormant_ = checkpoints_->dormant();
   }
 
   void run()
@@ -39,7 +41,8 @@ public:
     recorder_.built(scene_->standing());
     if (checkpoints_) checkpoints_->begin(files_.scene, layout_, *driver_, recorder_);
     recorder_.started(*driver_, limits_);
-    while (step() == Verdict::relayout) files_.told_if_refused([&] { renew(); });
+    if (goes_on() && change_due()) change(); // a checkpoint is written before
+    while (step() == Verdict::relayout) change();
     if (checkpoints_ && !checkpoints_->stopped().empty()) return stop();
     count_changes();
     recorder_.finish(*driver_);
@@ -47,6 +50,12 @@ public:
   }
 
 private:
+  bool goes_on() const { return checkpoints_ && checkpoints_->restarted(); }
+  void change()
+  {
+    files_.told_if_refused([&] { renew(); });
+  }
+
   void build()
   {
     scene_ = make_(layout_, costs_ ? &*costs_ : nullptr);
@@ -183,7 +192,7 @@ private:
     balance_.leave(*driver_);
     driver_.reset();
     rebuild(moves && !uneven_);
-    add_dormant(state, dormant_);
+    add_dormant(files_.comm(), state, dormant_);
     const StateMove move(state, scene_->standing(), moves);
     move.require_fit();
     move.break_bonds();
@@ -200,7 +209,7 @@ private:
     breaker = scene_->standing().model->breaker;
     if (breaker) breaker->resume(broken);
     recorder_.take_scene(scene_->standing(), *driver_, move.cracks());
-    if (checkpoints_) checkpoints_->take_scene(files_.scene, layout_, recorder_);
+    if (checkpoints_) checkpoints_->take_scene(files_.scene, layout_, dormant_, recorder_);
     files_.layout_seconds += MPI_Wtime() - begin;
     if (!uneven_) return;
     files_.progress.line(

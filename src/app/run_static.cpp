@@ -183,14 +183,14 @@ private:
     Moment now{capture(standing()), d_->fracture ? d_->fracture->all() : pd::Broken{}, 0, {}};
     now.known = now.state.rows.size();
     now.state.moving.u.assign(u.begin(), u.end());
-    std::vector<double> local;
-    d_->system.halo->fetch(u, now.state.dim, local);
-    const std::span<const double> fields[] = {local};
     if (!change_.empty()) {
+      std::vector<double> local;
+      d_->system.halo->fetch(u, now.state.dim, local);
+      const std::span<const double> fields[] = {local};
       add_rows(now.state, adapt::fill(d_->view(ground_->mesh), change_, fields));
       now.left = adapt::leaving(d_->view(ground_->mesh), change_.uncover, fields);
     }
-    add_dormant(now.state, dormant_);
+    add_dormant(files_.comm(), now.state, dormant_); // to the rows that are new, too
     return now;
   }
 

@@ -1,8 +1,12 @@
 """Patches that move while cracks grow give what a patch that was large from the start gives."""
 
-import program
-from torn import checkpoint, results
+import subprocess
+import time
 
+import program
+from torn import TABLES, checkpoint, results
+
+import h5py
 import numpy as np
 
 # A plate with a crack in its middle that runs to both sides, in a patch that holds its way, and in one that does not.
@@ -52,6 +56,8 @@ INSIDE = "0.625,0.375,0.875,0.75"
 TURNS = {"-layout_renew_interval": "20", "-layout_renew_box": "0.625,0.375,1,0.75"}
 # Cells behind a tip of the large patch become elements, and nothing of the crack is left there.
 HEALED = LARGE | {"-layout_renew_interval": "440", "-layout_renew_box": "0.008,-0.001,0.012,0.001", "-ts_max_steps": "460"}
+# Cells along the crack become elements and particles again, with all that broke in them.
+TURNED = LARGE | {"-layout_renew_interval": "60", "-layout_renew_box": "0.007,-0.003,0.015,0.003", "-ts_max_steps": "500"}
 # The double cantilever beam, whose crack grows by far within loads.
 BEAM = {"-options_file": "cases/dcb/smoke.opts", "-output_fields": "false", "-output_history": "", "-quiet": ""}
 SHORT = BEAM | {"-pd_patches": "0.2e-3,0.15e-3,0.4e-3,0.30e-3", "-adapt": "expand"}
@@ -133,6 +139,75 @@ class Adapt(program.ProgramTest):
                 for name, table in tables.items():
                     np.testing.assert_array_equal(table, others[name], name)
 
+    def assert_goes_on(self, whole, options, ranks, directory):
+        """A run goes on from the checkpoint in a directory, and ends with the tables of one that was left alone."""
+        end = {"-restart": str(directory / "checkpoint.h5"), "-checkpoint_interval": "500"}
+        rest = self.solve(options | end, ranks)
+        self.assertEqual(whole.summary["relocations"], rest.summary["relocations"])
+        tables, others = checkpoint(whole.directory)[0], checkpoint(rest.directory)[0]
+        self.assertEqual(tables.keys(), others.keys())
+        for name in tables.keys() - TABLES - {"rank_sums", "crack_damage", "crack_numbers", "crack_arrival_times"}:
+            np.testing.assert_array_equal(tables[name], others[name], name)
+        for name in TABLES:
+            self.assertLess(np.abs(tables[name] - others[name]).max(), 1e-8 * np.abs(tables[name]).max(), name)
+        return rest
+
+    def test_a_restart_knows_what_broke_where_elements_are(self):
+        whole = {ranks: self.solve(TURNED | {"-checkpoint_interval": "500"}, ranks) for ranks in (1, 2)}
+        self.assertEqual(whole[1].summary["relocations"], 8)
+        for half, ranks, after in ((420, 1, 1), (480, 2, 3), (440, 1, 2), (440, 2, 1)):  # when cells change, and between
+            with self.subTest(half=half, ranks=ranks, after=after):
+                directory = self.scratch / f"half_{half}_{ranks}_{after}"
+                stop = {"-ts_max_steps": str(half), "-checkpoint_interval": str(half)}
+                self.solve(TURNED | stop, ranks, directory)
+                if half > 420:
+                    tables = checkpoint(directory)[0]
+                    self.assertGreater(min(len(tables[f"dormant_{name}"]) for name in ("particles", "gone_bonds")), 50)
+                rest = self.assert_goes_on(whole[ranks], TURNED, after, directory)
+                if (ranks, after) == (1, 1):
+                    self.assertEqual(results(whole[1]), results(rest))
+
+    def test_a_run_that_was_killed_goes_on_across_changes(self):
+        whole = self.solve(TURNED | {"-checkpoint_interval": "500"})
+        directory = self.scratch / "killed"
+        options = TURNED | {"-checkpoint_interval": "25"}
+        command = [program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)]
+        for least in (60, 300, 425):  # steps of the checkpoint it is killed behind
+            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, cwd=program.ROOT)
+            while process.poll() is None and self.step_of(directory) < least:
+                time.sleep(0.02)
+            process.kill()
+            process.wait()
+            again = ["-restart", str(directory / "checkpoint.h5")]
+            command = [program.PROGRAM, *program.words_of(options), "-output_dir", str(directory), *again]
+        self.assert_goes_on(whole, TURNED, 2, directory)
+
+    @staticmethod
+    def step_of(directory):
+        try:
+            return checkpoint(directory)[1]["step"]
+        except OSError:  # none yet
+            return -1
+
+    def test_damage_of_what_is_dormant_is_refused_by_its_name(self):
+        directory = self.scratch / "half"
+        self.solve(TURNED | {"-ts_max_steps": "450", "-checkpoint_interval": "450"}, 1, directory)
+        file = directory / "checkpoint.h5"
+        whole = file.read_bytes()
+        with h5py.File(file) as tables:
+            places = {name: (tables[name].id.get_offset(), tables[name].id.get_storage_size())
+                      for name in tables if name.startswith("dormant_")}
+        self.assertEqual(len(places), 3)
+        for name, (at, size) in places.items():
+            if not size:
+                continue
+            at += size // 2
+            file.write_bytes(whole[:at] + bytes([whole[at] ^ 4]) + whole[at + 1 :])
+            run = self.launch(TURNED | {"-restart": str(file)})
+            self.assertEqual(run.status, 1, run.err)
+            self.assertIn(f"dataset /{name} is damaged", run.err)
+            self.assertEqual(run.err.count("\n"), 1, run.err)
+
     def test_a_crack_stays_known_where_its_particles_are_gone(self):
         for ranks in (1, 2):
             with self.subTest(ranks=ranks):
@@ -170,6 +245,13 @@ class Adapt(program.ProgramTest):
                     self.assertLessEqual(abs(a["bonds_broken"] - b["bonds_broken"]), column)
                     self.assertLess(abs(a["reaction_top_y"] - b["reaction_top_y"]), 0.02 * abs(a["reaction_top_y"]))
                 self.assertLess(abs(moved.summary["results"]["energy_relocated_ratio"]), 2e-2)
+
+    def test_loads_go_on_where_what_broke_comes_back(self):
+        turned = BEAM | {"-layout_renew_interval": "3", "-layout_renew_box": "0.24e-3,0.19e-3,0.36e-3,0.26e-3"}
+        for ranks in (1, 2):
+            run = self.solve(turned, ranks)
+            self.assertEqual(run.summary["relocations"], 3)
+            self.assertGreater(run.summary["bonds_broken"], 2000)
 
     def test_a_plate_that_flies_does_not_feel_cells_change_hands(self):
         for ranks in (1, 2, 3):

@@ -12,11 +12,12 @@ public:
   /// built by. Throws UserError for a file that is none.
   explicit Checkpoints(RunFiles& files);
   const std::optional<Layout>& restarted() const { return from_layout_; } ///< none from the start
+  const Dormant& dormant() const { return dormant_; }                     ///< under the layout of the moment
   /// The scene stands and nothing has moved: takes over the state of `-restart`, if there is one. Throws UserError if
   /// it is of another scene.
   void begin(const Standing& scene, const Layout& layout, solve::TimeDriver& driver, TimeRecorder& recorder);
   /// Another scene stands in its place, with the same state, which the driver keeps as sound.
-  void take_scene(const Standing& scene, const Layout& layout, const TimeRecorder& recorder);
+  void take_scene(const Standing& scene, const Layout& layout, const Dormant& dormant, const TimeRecorder& recorder);
   solve::TimeDriver::Verdict after_step(const solve::TimeDriver& driver, const TimeRecorder& recorder);
   /// The end, or the last sound state of a run gone wild: a checkpoint too, if any were asked for.
   void finish(const solve::TimeDriver& driver, const TimeRecorder& recorder);
@@ -52,6 +53,7 @@ private:
   std::optional<Layout> from_layout_;      // its
   Standing scene_;
   Layout layout_;
+  Dormant dormant_;
   std::unique_ptr<SceneTables> tables_; // of scene_, once they were asked for
   Numbers head_;                        // of -restart
   Kept sound_;                          // where the driver can go back to

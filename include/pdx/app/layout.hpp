@@ -21,8 +21,9 @@ struct Layout {
 
   /// Its tables in a checkpoint. Collective.
   void write(io::Hdf5File& file) const;
-  /// Throws UserError for tables that make no layout, or another than the scene was given, unless its patches move.
-  /// Collective.
-  static Layout read(const io::SealedReader& file, const Layout& given, bool patches_move);
+  /// Throws UserError for tables that make no layout, or another than the scene was given. Where patches move they may
+  /// lie elsewhere, and cracks go on from their tips. Collective.
+  /// @param options settled
+  static Layout read(const io::SealedReader& file, const SceneOptions& options);
 };
 } // namespace pdx::app

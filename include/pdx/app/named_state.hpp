@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/adapt/fill.hpp"
 #include "pdx/app/crack_watch.hpp"
+#include "pdx/app/dormant.hpp"
 #include "pdx/app/scene_names.hpp"
 #include "pdx/field/row_move.hpp"
 #include "pdx/field/state.hpp"
@@ -38,17 +39,9 @@ NamedState capture(const Standing& scene);
 /// The same of a scene in time. Collective.
 NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks);
 
-/// What broke where there are elements now, for particles that may lie there again.
-struct Dormant {
-  std::vector<field::RowName> particles;
-  std::vector<std::uint64_t> gone;    ///< as in NamedState
-  std::vector<std::uint64_t> carried; ///< keys that were ever broken, of all ranks, ascending
-};
-
 /// Adds rows that the next layout will have to what a scene in the plane owns.
 /// @param fresh displacement, velocity; nodes or particles, of which nothing is broken
 void add_rows(NamedState& state, const adapt::FreshRows& fresh);
-void add_dormant(NamedState& state, const Dormant& dormant);
 
 /// Why a state does not fit a scene, and in which table of a checkpoint that stands.
 struct Misfit {

@@ -11,8 +11,9 @@ namespace pdx::io {
 /// What a sealed file holds, where, and the hash of every byte of it. A sealed file is an HDF5 file behind a head of
 /// kHeadBytes; its last bytes are the text of this. Whoever checks it first need not trust HDF5 with a damaged file.
 struct Seal {
-  /// 7 held which bonds are left, 6 had options and scene in one text, 5 no names of rows; 3 was plain HDF5.
-  static constexpr int kFormat = 8;
+  /// 8 knew nothing of what broke where elements are now, 7 held which bonds are left, 6 had options and scene in one
+  /// text, 5 no names of rows; 3 was plain HDF5.
+  static constexpr int kFormat = 9;
   static constexpr std::size_t kHeadBytes = 512;
   static constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 24; ///< of an extent
 

@@ -154,7 +154,7 @@ TEST(SealedReader, SaysWhichVersionWroteWhatItCannotRead)
   EXPECT_NE(said_of(path, hdf5 + std::string(600, ' ')).find("an HDF5 file, but no checkpoint"), std::string::npos);
   EXPECT_NE(said_of(path, std::string(600, ' ')).find("no checkpoint of pdxsolve"), std::string::npos);
   std::string later = io::SealHead{io::Seal::kFormat + 1, 512, 0, 0}.text();
-  EXPECT_NE(said_of(path, later).find("it has format 9, this version reads 8"), std::string::npos);
+  EXPECT_NE(said_of(path, later).find("it has format 10, this version reads 9"), std::string::npos);
 }
 
 TEST(SealedReader, RefusesWhatIsNotThere)
