@@ -73,7 +73,8 @@ public:
     const Vector<2> middle = 0.5 * (crossing.in + crossing.out), along = crossing.out - crossing.in;
     const Vector<2> there = middle + 1e-3 * Vector<2>(-along.y(), along.x()); // on its left
     if (cells_[crossing.cell].contains(there)) return std::nullopt;
-    const auto found = std::ranges::find_if(cells_, [&there](const geom::Box<2>& cell) { return cell.contains(there); });
+    const auto found =
+        std::ranges::find_if(cells_, [&there](const geom::Box<2>& cell) { return cell.contains(there); });
     return found == cells_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - cells_.begin()));
   }
 
@@ -225,9 +226,8 @@ private:
   /// Where damaged particles stay far behind the tips, what breaks there yet must not reach elements beside the crack.
   void keep_beside_unrest(const PatchCracks& patch, double critical)
   {
-    const std::vector<Vector<2>> unrest = patch.damaged_in([&](Index cell) {
-      return far_.contains(cell) && !chosen_.contains(cell);
-    });
+    const std::vector<Vector<2>> unrest =
+        patch.damaged_in([&](Index cell) { return far_.contains(cell) && !chosen_.contains(cell); });
     std::set<std::size_t> crossed;
     for (const Trail& trail : patch.trails())
       for (const track::Crossing& crossing : trail.found.crossings) crossed.insert(crossing.cell);

@@ -25,10 +25,11 @@ double distance_to_piece(const Vector<2>& a, const Vector<2>& b, const Vector<2>
 crack::Polyline gone_on(crack::Polyline crack, bool last, std::span<const Vector<2>> ahead)
 {
   if (!last) std::ranges::reverse(crack);
+  const std::size_t known = crack.size();
   for (const Vector<2>& next : ahead) {
     if (next == crack.back()) continue;
     const std::size_t count = crack.size();
-    if (count > 1 && goes_straight_on(crack[count - 2], crack[count - 1], next))
+    if (count > known && goes_straight_on(crack[count - 2], crack[count - 1], next))
       crack.back() = next;
     else
       crack.push_back(next);

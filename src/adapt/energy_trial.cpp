@@ -70,9 +70,8 @@ std::vector<EnergyTrial::Piece> EnergyTrial::pieces(Index cell, const crack::Cra
   const auto found = in_cell_.find(cell);
   if (found == in_cell_.end()) return all;
   for (const std::size_t k : found->second) {
-    const auto of = std::ranges::find_if(all, [&](const Piece& piece) {
-      return !paths.cuts(scene_.particles[piece.front()].x, scene_.particles[k].x);
-    });
+    const auto of = std::ranges::find_if(
+        all, [&](const Piece& piece) { return !paths.cuts(scene_.particles[piece.front()].x, scene_.particles[k].x); });
     if (of == all.end())
       all.push_back({k});
     else

@@ -17,7 +17,8 @@ struct Front {
   std::array<double, 2> x; // [m]
 };
 
-/// Where elements hand their cracks over to particles: what breaks around there belongs to what the crack leaves behind.
+/// Where elements hand their cracks over to particles: what breaks around there belongs to what the crack leaves
+/// behind.
 std::vector<Vector<2>> mouths(const SceneView& scene)
 {
   std::vector<Vector<2>> found;
@@ -134,8 +135,8 @@ bool can_expand(const SceneView& scene)
   bool any = false;
   for (Index c = 0; c < scene.mesh.owned_cells(); ++c)
     for (const couple::Surroundings& around : scene.around) {
-      any = any || (scene.mesh.use(c) != mesh::Use::covered &&
-                    is_divided(scene.mesh.corners(c), around.shape().lattice));
+      any =
+          any || (scene.mesh.use(c) != mesh::Use::covered && is_divided(scene.mesh.corners(c), around.shape().lattice));
     }
   return any_rank(scene.mesh.comm(), any);
 }

@@ -52,8 +52,7 @@ public:
         if (is_asked(host.rows[b])) matrix_[{host.rows[a], host.rows[b]}] += host.weights[a] * host.weights[b];
       for (std::size_t f = 0; f < fields_.size(); ++f) {
         Vector<2> missing = value_of(left_.fields[f], particle);
-        for (std::size_t b = 0; b < rows; ++b)
-          missing -= host.weights[b] * value_of(fields_[f], local(host.rows[b]));
+        for (std::size_t b = 0; b < rows; ++b) missing -= host.weights[b] * value_of(fields_[f], local(host.rows[b]));
         for (int d = 0; d < 2; ++d)
           matrix_[{host.rows[a], -1 - static_cast<PetscInt>(2 * f) - d}] += host.weights[a] * missing[d];
       }

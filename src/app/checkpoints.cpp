@@ -112,9 +112,9 @@ std::string fault_of(const std::map<std::string, double>& numbers)
 }
 } // namespace
 
-Checkpoints::Checkpoints(RunFiles& files)
-    : files_(files), options_(files.options.time.checkpoint), given_(given_scene(files.comm(), files.options)),
-      looked_(MPI_Wtime()), written_(looked_)
+Checkpoints::Checkpoints(RunFiles& files, PatchMover& mover)
+    : files_(files), mover_(mover), options_(files.options.time.checkpoint),
+      given_(given_scene(files.comm(), files.options)), looked_(MPI_Wtime()), written_(looked_)
 {
   if (!options_.restart.empty()) read_head();
 }
@@ -132,6 +132,7 @@ void Checkpoints::read_head()
   refuse_another(kOptions, given_); // before a scene is built by what the file says
   from_layout_ = Layout::read(*from_, files_.options);
   if (files_.options.layout.patches_move()) dormant_ = Dormant::read(files_.comm(), *from_);
+  if (mover_.follows()) mover_.read(*from_);
   files_.continued = {here != 0, static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
 }
 
@@ -290,6 +291,7 @@ void Checkpoints::write(const solve::TimeDriver& driver, Kept kept)
     file.text(kScene, tables().scene());
     layout_.write(file);
     if (files_.options.layout.patches_move()) dormant_.write(file);
+    if (mover_.follows()) mover_.write(file);
     write_numbers(file, numbers, rank_in(files_.comm()) == 0);
     write_sums(file, driver);
     tables().write(file, capture(scene_, driver, kept.cracks));

@@ -114,7 +114,7 @@ adapt::LayoutChange PatchMover::contract(const adapt::SceneView& scene, const Pa
   const std::vector<adapt::Reaches> ahead = reaches(scene, plan);
   for (std::size_t p = 0; p < scene.around.size(); ++p)
     all.push_back({ahead[p].critical, length(options_.layout.contraction_length, kContraction[options_.time.dynamic()],
-                           plan.stencils[p].horizon, scene.around[p].shortest_edge())});
+                                             plan.stencils[p].horizon, scene.around[p].shortest_edge())});
   return adapt::contraction(scene, all, may);
 }
 } // namespace pdx::app

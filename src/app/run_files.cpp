@@ -49,7 +49,8 @@ void RunFiles::take_scene(const Standing& standing)
   std::int64_t counts[4] = {rows.nodes, rows.enriched, rows.particles, 0};
   for (std::int64_t& count : counts) count *= rows.dim;
   for (const mesh::Use use : {mesh::Use::plain, mesh::Use::cut})
-    counts[3] += std::ranges::count_if(scene.mesh->cells(use), [this](Index c) { return c < scene.mesh->owned_cells(); });
+    counts[3] +=
+        std::ranges::count_if(scene.mesh->cells(use), [this](Index c) { return c < scene.mesh->owned_cells(); });
   MPI_Allreduce(MPI_IN_PLACE, counts, 4, MPI_INT64_T, MPI_SUM, comm_);
   elements_ = counts[3];
   summary.unknowns.fe = counts[0];

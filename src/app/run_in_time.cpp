@@ -27,7 +27,7 @@ public:
         layout_(Layout::given(files.options)), recorder_(files), look_(files.comm()),
         balance_(files.comm(), files.options.layout.rebalance_threshold), mover_(files.options)
   {
-    if (!implicit_) checkpoints_.emplace(files);
+    if (!implicit_) checkpoints_.emplace(files, mover_);
     if (!goes_on()) return;
     layout_ = *checkpoints_->restarted();
     dormant_ = checkpoints_->dormant();
@@ -108,7 +108,7 @@ private:
     if (mover_.follows() && step % when.adapt_interval == 0)
       change_ = mover_.look(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds);
     if (mover_.may_contract()) add_what_lies_behind();
-    uneven_ = balance_.due(*driver_);
+    uneven_ = balance_.due(*driver_) && change_.empty(); // one after the other: what leaves is told by cells
     const bool renewed = when.renew_interval > 0 && step % when.renew_interval == 0;
     if (renewed && mover_.renews() && change_.empty()) change_ = mover_.renewal(scene_->view());
     return uneven_ || renewed || !change_.empty();
@@ -124,9 +124,8 @@ private:
     const adapt::EnergyTrial trial(view, {driver_->local(), density, files_.options.elastic,
                                           files_.options.element_kinematics(), kMostRise * energies.elastic()});
     adapt::LayoutChange behind =
-        mover_.contract(view, *files_.scene.plan, [&trial](Index cell, const crack::CrackSet& paths) {
-          return trial.allows(cell, paths);
-        });
+        mover_.contract(view, *files_.scene.plan,
+                        [&trial](Index cell, const crack::CrackSet& paths) { return trial.allows(cell, paths); });
     behind.cover = std::move(change_.cover);
     change_ = std::move(behind);
   }
@@ -240,10 +239,10 @@ private:
   const SceneMaker& make_;
   Layout layout_;
   TimeRecorder recorder_;
-  std::optional<Checkpoints> checkpoints_;
   StopLook look_; // of implicit steps
   LoadBalance balance_;
   PatchMover mover_;
+  std::optional<Checkpoints> checkpoints_;
   adapt::LayoutChange change_; // to come
   Dormant dormant_;
   bool uneven_ = false; // the change to come is for the balance

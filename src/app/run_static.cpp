@@ -220,7 +220,8 @@ private:
     if (d_->fracture) d_->fracture->resume(moment.broken);
     std::vector<double> u = move.rows(moment.state.moving.u, moment.state.dim);
     const std::span<double> fields[] = {u};
-    if (!change_.uncover.empty()) adapt::fit_sets(d_->view(ground_->mesh), moment.left, move.came_after(moment.known), fields);
+    if (!change_.uncover.empty())
+      adapt::fit_sets(d_->view(ground_->mesh), moment.left, move.came_after(moment.known), fields);
     return u;
   }
 

@@ -116,6 +116,21 @@ class Adapt(program.ProgramTest):
             for name in ("displacement", "velocity"):
                 self.assertLess(np.abs(tables[0][name] - other[name]).max(), 1e-8 * np.abs(other[name]).max(), name)
 
+    def test_a_restart_goes_on_between_hand_backs(self):
+        whole = self.solve(SNAIL | {"-checkpoint_interval": "560"})
+        directory = self.scratch / "half"
+        half = SNAIL | {"-checkpoint_interval": "400", "-ts_max_steps": "400"}
+        moved = self.solve(half, directory=directory).summary["relocations"]
+        self.assertGreaterEqual(moved, 1)
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                rest = self.solve(SNAIL | {"-restart": str(directory / "checkpoint.h5"), "-checkpoint_interval": "560"}, ranks)
+                self.assertGreater(whole.summary["relocations"], moved)
+                self.assertEqual(whole.summary["relocations"], rest.summary["relocations"])
+                tables, others = checkpoint(whole.directory)[0], checkpoint(rest.directory)[0]
+                for name in ("gone_bonds", "broken_carried_bonds", "row_names", "layout_patches", "layout_cracks"):
+                    np.testing.assert_array_equal(tables[name], others[name], name)
+
     def test_a_restart_goes_on_from_a_patch_that_moved(self):
         for ranks in (1, 2):
             with self.subTest(ranks=ranks):
@@ -319,6 +334,9 @@ class Adapt(program.ProgramTest):
             ({"-analysis": "implicit", "-ts_dt": "1e-5"}, "-adapt.*-analysis explicit"),
             ({"-adapt_critical_length": "0.01", "-adapt_expansion_length": "0.005"}, "-adapt_expansion_length"),
             ({"-adapt": "none", "-adapt_every": "5"}, "-adapt_every.*-adapt expand"),
+            ({"-adapt_contraction_length": "0.01"}, "-adapt_contraction_length.*-adapt relocate"),
+            ({"-adapt_expansions": "2"}, "-adapt_expansions.*-adapt relocate"),
+            ({"-adapt": "relocate", "-adapt_expansions": "0"}, "-adapt_expansions"),
             ({"-adapt_expansion_length": "1e-4"}, "-adapt_expansion_length.*above the 0.00"),
             ({"-adapt": "grow"}, "-adapt.*none, expand"),
         ):

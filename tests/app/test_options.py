@@ -171,6 +171,7 @@ CASES = [
     cracks("cracks of an old Macintosh", "# one\r0 0.55 1 0.55\r"),
     cracks("cracks with a comma too many", "0,0.55,,1,0.55\n", r"a\.cracks, line 1: an item is empty"),
     shaken("history with a mark", MARK + "time,factor\n0,0\n1e-3,1\n"),
+    shaken("history with units", "time [s],factor [-]\n0,0\n1e-3,1\n"),
     shaken("history of an old Macintosh", "time,factor\r0,0\r+1e-3,1\r"),
     shaken("history with its columns exchanged", "factor,time\n0,0\n1,1e-3\n", r"a\.csv, line 1: .*first must be the time"),
     shaken("history with a third column", "0,0,0\n", r"a\.csv, line 1: has 3 items"),

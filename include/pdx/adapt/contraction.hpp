@@ -15,7 +15,8 @@ struct Retreat {
 /// The elements that patches hand back behind their cracks, and the cracks that those elements carry then [XPD2
 /// Eqs. 15-21]. A cell farther than that from all tips of its patch is handed back where the bodies that intact
 /// bonds hold together in it and a horizon around it are exactly the sides of the crack's path, and where `may` says
-/// so, if it is given. A patch without tip and damage stays as it is, and the last patch does. Alike on every rank. Collective.
+/// so, if it is given. A patch without tip and damage stays as it is, and the last patch does. Alike on every rank.
+/// Collective.
 /// @param reaches one per patch
 LayoutChange contraction(const SceneView& scene, std::span<const Retreat> reaches, const MayHandBack& may);
 } // namespace pdx::adapt

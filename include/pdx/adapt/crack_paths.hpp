@@ -5,7 +5,7 @@
 #include <span>
 
 namespace pdx::adapt {
-/// A crack that goes on from one of its ends through points; what goes straight on adds no corner.
+/// A crack that goes on from one of its ends through points; its own stay, of the others those where it bends.
 /// @param last from its last point, else from its first   @param ahead in the order in which it runs
 crack::Polyline gone_on(crack::Polyline crack, bool last, std::span<const Vector<2>> ahead);
 

@@ -10,8 +10,8 @@ struct Reaches {
 };
 
 /// The elements that are to become particles: those with a node nearer than `expansion` to a particle that lost a bond
-/// now and is nearer than `critical` to the interface [XPD2 Eqs. 10-14]. Elements that the lattice of the patch does not
-/// divide stay, and those next to a patch of another lattice. Alike on every rank, in the order of natural numbers.
+/// now and is nearer than `critical` to the interface [XPD2 Eqs. 10-14]. Elements that the lattice of the patch does
+/// not divide stay, and those next to a patch of another lattice. Alike on every rank, in the order of natural numbers.
 /// Collective.
 /// @param reaches one per patch   @param news per owned particle: did it lose a bond?
 /// @param spare_held leaves elements with a held node: particles under a held side are not where the side is, and would

@@ -17,8 +17,8 @@ Leaving leaving(const SceneView& scene, std::span<const geom::Box<2>> uncovered,
 /// @param fields as many as rows have
 FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::size_t fields);
 
-/// Corrects rows at cracks that are new by what makes the elements carry the particles that left as nearly as can be, by
-/// least squares with all other rows given, and by no more than that needs [XPD2 Eqs. 17-21]: those of sets, and of
+/// Corrects rows at cracks that are new by what makes the elements carry the particles that left as nearly as can be,
+/// by least squares with all other rows given, and by no more than that needs [XPD2 Eqs. 17-21]: those of sets, and of
 /// nodes of cut elements that have no set there. Collective.
 /// @param scene  the new one   @param is_new  per owned row
 /// @param fields owned rows of the new scene, two components each, in the order of those that left

@@ -10,6 +10,10 @@ public:
   /// Per owned particle: did it lose bonds since it was seen last? All are seen then. Collective.
   std::vector<bool> news(const SceneView& scene);
 
+  /// Of all particles that this rank has seen damaged, by the name of a site; those of others do no harm.
+  const std::unordered_map<std::uint64_t, double>& entries() const { return damage_; }
+  void take(std::uint64_t name, double damage) { damage_[name] = damage; }
+
 private:
   std::unordered_map<std::uint64_t, double> damage_; // of what is damaged, by the name of a site
 };

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/app/layout.hpp"
+#include "pdx/app/patch_mover.hpp"
 #include "pdx/app/scene_tables.hpp"
 #include "pdx/app/time_recorder.hpp"
 #include "pdx/base/stop_signals.hpp"
@@ -10,7 +11,8 @@ class Checkpoints {
 public:
   /// Reads the head of `-restart`, so that files can go on where it was written, and its layout, for the scene to be
   /// built by. Throws UserError for a file that is none.
-  explicit Checkpoints(RunFiles& files);
+  /// @param mover of its patches: goes on from the file; must outlive this
+  Checkpoints(RunFiles& files, PatchMover& mover);
   const std::optional<Layout>& restarted() const { return from_layout_; } ///< none from the start
   const Dormant& dormant() const { return dormant_; }                     ///< under the layout of the moment
   /// The scene stands and nothing has moved: takes over the state of `-restart`, if there is one. Throws UserError if
@@ -46,6 +48,7 @@ private:
   couple::BondBreaker* breaker() const { return scene_.model->breaker; }
 
   RunFiles& files_;
+  PatchMover& mover_;
   const CheckpointOptions& options_;
   std::string given_; // the scene as the options say it
   StopSignals signals_;

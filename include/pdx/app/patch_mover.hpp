@@ -3,6 +3,8 @@
 #include "pdx/adapt/expansion.hpp"
 #include "pdx/adapt/seen_damage.hpp"
 #include "pdx/app/patches.hpp"
+#include "pdx/io/hdf5_file.hpp"
+#include "pdx/io/sealed_reader.hpp"
 
 namespace pdx::app {
 /// How near to damage, or to the tip of a crack that is given, elements become particles [m].
@@ -32,6 +34,10 @@ public:
   /// What they hand back then.
   adapt::LayoutChange contract(const adapt::SceneView& scene, const PatchPlan& plan, const adapt::MayHandBack& may);
 
+  /// What it goes on from, as tables of a checkpoint. Throws UserError for tables that make none.
+  void write(io::Hdf5File& file) const;
+  void read(const io::SealedReader& file);
+
 private:
   std::vector<adapt::Reaches> reaches(const adapt::SceneView& scene, const PatchPlan& plan) const;
   adapt::Reaches reaches(const couple::Surroundings& around, double horizon) const;
@@ -39,6 +45,6 @@ private:
   const SceneOptions& options_;
   std::int64_t broken_ = 0; // at the last look, this rank
   adapt::SeenDamage seen_;
-  int expansions_ = 0;      // since the last contraction
+  int expansions_ = 0; // since the last contraction
 };
 } // namespace pdx::app

@@ -32,8 +32,8 @@ struct LayoutOptions {
   std::optional<geom::Box<2>> renew_box; ///< cells that change hands then: a diagnostic [m]
   double rebalance_threshold = 0.0;      ///< busiest rank over the mean, above which cells are dealt out anew; 0: never
   Adapt adapt = Adapt::none;
-  double critical_length = 0.0;  ///< damage as near to elements moves the border; 0: by horizon and elements [m]
-  double expansion_length = 0.0; ///< elements as near to such damage become particles; 0: likewise [m]
+  double critical_length = 0.0;    ///< damage as near to elements moves the border; 0: by horizon and elements [m]
+  double expansion_length = 0.0;   ///< elements as near to such damage become particles; 0: likewise [m]
   double contraction_length = 0.0; ///< particles as far from all tips become elements again; 0: likewise [m]
   int adapt_interval = 1;          ///< steps from one look for such damage to the next
   int expansions = 1;              ///< after so many a patch hands back what lies behind [XPD2 Eq. 15]

@@ -93,7 +93,8 @@ adapt::Leaving dealt_out(const adapt::Leaving& left, test::Scene& from, test::Sc
 double carried_error(double height)
 {
   const geom::Box<2> uncovered = cells_from(3, 2, 6, 9);
-  test::Scene before(cracked_plate(cells_from(3, 2, 9, 9), height)), after(cracked_plate(cells_from(6, 2, 9, 9), height));
+  test::Scene before(cracked_plate(cells_from(3, 2, 9, 9), height)),
+      after(cracked_plate(cells_from(6, 2, 9, 9), height));
   const auto field = [height](const Vector<2>& x) {
     return moved(x, x[1] > height ? xfem::Side::plus : xfem::Side::minus);
   };
@@ -112,7 +113,8 @@ double carried_error(double height)
   after.system().halo->fetch(rows.u, 2, local);
   double worst = 0.0;
   for (std::size_t k = 0; k < left.cells.size(); ++k) {
-    const couple::Host host = couple::host_in_cell({view.mesh, view.node_rows, view.sets}, left.cells[k], left.places[k]);
+    const couple::Host host =
+        couple::host_in_cell({view.mesh, view.node_rows, view.sets}, left.cells[k], left.places[k]);
     Vector<2> carried = Vector<2>::Zero();
     for (std::size_t a = 0; a < static_cast<std::size_t>(host.count); ++a) {
       const auto row = static_cast<std::size_t>(after.system().halo->local(host.rows[a]));
