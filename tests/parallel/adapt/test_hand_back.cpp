@@ -79,13 +79,14 @@ adapt::Leaving dealt_out(const adapt::Leaving& left, test::Scene& from, test::Sc
   std::map<Index, Index> here;
   for (Index c = 0; c < to.mesh().owned_cells(); ++c) here[to.mesh().natural_cell(c)] = c;
   adapt::Leaving there;
-  there.fields.resize(1);
+  std::vector<double> moved_there;
   for (const auto& [cell, at, u] : gather_all(from.mesh().comm(), mine)) {
     if (!here.contains(cell)) continue;
     there.cells.push_back(here[cell]);
     there.places.emplace_back(at[0], at[1]);
-    there.fields[0].insert(there.fields[0].end(), u.begin(), u.end());
+    for (const double value : u) moved_there.push_back(value);
   }
+  there.fields.push_back(std::move(moved_there));
   return there;
 }
 
