@@ -5,8 +5,8 @@
 
 namespace pdx::adapt {
 namespace {
-constexpr Eigen::Index kTerms = 4;  // of a bilinear field
-constexpr double kTooLittle = 1e-8; // smallest over largest eigenvalue of what says nothing
+constexpr Eigen::Index kBilinear = 4; // of a bilinear field
+constexpr double kTooLittle = 1e-8;   // smallest over largest eigenvalue of what says nothing
 
 /// The bilinear displacement nearest to those of some particles.
 class BilinearFit {
@@ -37,7 +37,7 @@ public:
 private:
   static Eigen::Vector4d terms_at(const Vector<2>& x) { return {1.0, x[0], x[1], x[0] * x[1]}; }
   Eigen::Matrix4d matrix_ = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, kTerms, 2> right_ = Eigen::Matrix<double, kTerms, 2>::Zero();
+  Eigen::Matrix<double, kBilinear, 2> right_ = Eigen::Matrix<double, kBilinear, 2>::Zero();
 };
 
 double energy_density(const law::Elastic& elastic, fem::Kinematics kinematics, const Tensor<2>& g)

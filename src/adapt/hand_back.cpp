@@ -17,13 +17,13 @@ struct Entry {
   double value;
 };
 
-Vector<2> value_of(std::span<const double> field, std::size_t k) { return {field[2 * k], field[2 * k + 1]}; }
+Vector<2> pair_at(std::span<const double> field, std::size_t k) { return {field[2 * k], field[2 * k + 1]}; }
 
 /// What a particle says of the fresh rows of the element that takes its place.
-class Equations {
+class SetEquations {
 public:
-  Equations(const SceneView& scene, const Leaving& left, std::span<const double> is_new,
-            std::span<const std::span<double>> fields)
+  SetEquations(const SceneView& scene, const Leaving& left, std::span<const double> is_new,
+               std::span<const std::span<double>> fields)
       : scene_(scene), left_(left)
   {
     const field::Rows& rows = scene.halo.rows();
@@ -51,8 +51,8 @@ public:
       for (std::size_t b = 0; b < rows; ++b)
         if (is_asked(host.rows[b])) matrix_[{host.rows[a], host.rows[b]}] += host.weights[a] * host.weights[b];
       for (std::size_t f = 0; f < fields_.size(); ++f) {
-        Vector<2> missing = value_of(left_.fields[f], particle);
-        for (std::size_t b = 0; b < rows; ++b) missing -= host.weights[b] * value_of(fields_[f], local(host.rows[b]));
+        Vector<2> missing = pair_at(left_.fields[f], particle);
+        for (std::size_t b = 0; b < rows; ++b) missing -= host.weights[b] * pair_at(fields_[f], local(host.rows[b]));
         for (int d = 0; d < 2; ++d)
           matrix_[{host.rows[a], -1 - static_cast<PetscInt>(2 * f) - d}] += host.weights[a] * missing[d];
       }
@@ -125,7 +125,7 @@ Leaving leaving(const SceneView& scene, std::span<const geom::Box<2>> uncovered,
     left.cells.push_back(p.cell);
     left.places.push_back(p.x);
     for (std::size_t f = 0; f < fields.size(); ++f) {
-      const Vector<2> value = value_of(fields[f], first + k);
+      const Vector<2> value = pair_at(fields[f], first + k);
       left.fields[f].insert(left.fields[f].end(), {value[0], value[1]});
     }
   }
@@ -151,7 +151,7 @@ FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::si
 void fit_sets(const SceneView& scene, const Leaving& left, std::span<const double> is_new,
               std::span<const std::span<double>> fields)
 {
-  Equations equations(scene, left, is_new, fields);
+  SetEquations equations(scene, left, is_new, fields);
   for (std::size_t k = 0; k < left.cells.size(); ++k) equations.add(k);
   const Together together(gather_all(scene.mesh.comm(), equations.entries()), 2 * fields.size());
   const field::Rows& rows = scene.halo.rows();
