@@ -1,8 +1,8 @@
 #include "pdx/couple/loose_parts.hpp"
 
-#include "joined.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/base/joined.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

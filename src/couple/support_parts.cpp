@@ -1,6 +1,6 @@
 #include "pdx/couple/support_parts.hpp"
 
-#include "joined.hpp"
+#include "pdx/base/joined.hpp"
 
 #include <algorithm>
 #include <bit>

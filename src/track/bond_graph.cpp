@@ -1,5 +1,7 @@
 #include "pdx/track/bond_graph.hpp"
 
+#include "pdx/base/joined.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -40,29 +42,6 @@ struct SiteWindow {
     return {lower[0] + static_cast<Index>(number % row), lower[1] + static_cast<Index>(number / row)};
   }
   Site<2> lower{}, count{};
-};
-
-/// Roots of sites that are joined; the root of a body is its first site.
-class Roots {
-public:
-  explicit Roots(std::size_t count) : up_(count)
-  {
-    for (std::size_t k = 0; k < count; ++k) up_[k] = k;
-  }
-  std::size_t of(std::size_t k)
-  {
-    while (up_[k] != k) k = up_[k] = up_[up_[k]];
-    return k;
-  }
-  void join(std::size_t a, std::size_t b)
-  {
-    a = of(a);
-    b = of(b);
-    up_[std::max(a, b)] = std::min(a, b);
-  }
-
-private:
-  std::vector<std::size_t> up_;
 };
 
 /// What a body is made of, as the sides see it.
@@ -108,7 +87,7 @@ bool BondGraph::gone(const Site<2>& site, std::size_t arm) const
 Bodies bodies_in(const BondGraph& graph, const geom::Box<2>& window)
 {
   const SiteWindow all(graph.lattice(), window);
-  Roots roots(all.size());
+  Joined roots(all.size());
   Bodies bodies;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const Site<2> site = all.site(k);
@@ -121,7 +100,7 @@ Bodies bodies_in(const BondGraph& graph, const geom::Box<2>& window)
   }
   std::vector<int> number(all.size(), -1);
   for (const Site<2>& site : bodies.sites) {
-    int& body = number[roots.of(all.number(site))];
+    int& body = number[roots.root(all.number(site))];
     if (body < 0) body = bodies.count++;
     bodies.body.push_back(body);
   }

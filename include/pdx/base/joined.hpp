@@ -4,7 +4,7 @@
 #include <numeric>
 #include <vector>
 
-namespace pdx::couple {
+namespace pdx {
 /// Sets of numbers that are joined one by one; a set's root is its lowest number.
 class Joined {
 public:
@@ -30,4 +30,4 @@ public:
 private:
   std::vector<std::size_t> parent_;
 };
-} // namespace pdx::couple
+} // namespace pdx
