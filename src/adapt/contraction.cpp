@@ -13,7 +13,6 @@
 namespace pdx::adapt {
 namespace {
 constexpr double kGrown = 0.35; // damage of particles beside a crack that has come by [-]
-constexpr double kNear = 1e-9;  // of a distance: what is as far to rounding is judged alike
 
 /// A crack that was followed through a patch.
 struct Trail {
@@ -32,7 +31,7 @@ struct Trail {
 class PatchCracks {
 public:
   PatchCracks(const SceneView& scene, const PatchMap& map, std::size_t patch)
-      : shape_(scene.around[patch].shape()), cracks_(scene.sets->cracks()),
+      : shape_(scene.around[patch].shape()),
         graph_(shape_.lattice, scene.bonds.parts()[patch]->stencil(),
                [&shape = shape_](const Site<2>& site) { return shape.active.has(site); })
   {
@@ -46,9 +45,8 @@ public:
       graph_.add(particle.site, particle.gone);
       damaged_.push_back(&particle);
     }
-    const double side = 1e-6 * shape_.lattice.dx;
-    for (const crack::Tip& tip : cracks_.tips())
-      if (shape_.holds(tip.at, side))
+    for (const crack::Tip& tip : scene.sets->cracks().tips())
+      if (shape_.holds(tip.at, kFits * shape_.lattice.dx))
         trails_.push_back({tip.crack, tip.last, track::follow(graph_, cells_, tip.at, tip.direction)});
   }
 
@@ -90,18 +88,18 @@ public:
   }
 
   /// Is everything in a cell and a horizon around it held together but for the paths of cracks?
-  bool is_parted_by(const crack::CrackSet& paths, const geom::Box<2>& cell) const
+  /// @param lines of the paths
+  bool is_parted_by(const crack::CrackSet& paths, std::span<const crack::Polyline> lines,
+                    const geom::Box<2>& cell) const
   {
     const Vector<2> more = Vector<2>::Constant(horizon());
     const geom::Box<2> window{cell.lower - more, cell.upper + more};
     if (std::ranges::none_of(damaged_, [&](const auto* particle) { return window.contains(particle->x); })) return true;
     const track::Bodies bodies = track::bodies_in(graph_, window);
     const std::map<Site<2>, int> side = sides_of(paths, bodies.sites);
-    std::vector<crack::Polyline> chains;
-    for (int k = 0; k < paths.size(); ++k) chains.push_back(paths.points(k));
     return track::are_sides(
         bodies, graph_, [&](const Vector<2>& x) { return side.at(site_at(x)); },
-        [&](const Vector<2>& x) { return distance(chains, x); }, shape_.lattice.dx);
+        [&](const Vector<2>& x) { return distance(lines, x); }, shape_.lattice.dx);
   }
 
 private:
@@ -138,7 +136,6 @@ private:
   }
 
   const couple::PatchShape& shape_;
-  const crack::CrackSet& cracks_;
   track::BondGraph graph_;
   std::vector<geom::Box<2>> cells_;
   std::vector<Index> numbers_; // natural, of each of them
@@ -153,11 +150,11 @@ public:
       : scene_(scene), map_(map_patches(scene)), reaches_(reaches)
   {
     for (std::size_t p = 0; p < scene.around.size(); ++p) patches_.emplace_back(scene, map_, p);
-    std::vector<crack::Polyline> paths = given();
+    lines_ = given();
     for (const PatchCracks& patch : patches_)
-      for (const Trail& trail : patch.trails()) go_on(paths, trail, trail.corners());
-    known_ = crack::CrackSet(paths, scene.mesh.bounds());
-    to_tips_ = std::move(paths);
+      for (const Trail& trail : patch.trails()) go_on(lines_, trail, trail.corners());
+    known_ = crack::CrackSet(lines_, scene.mesh.bounds());
+    to_tips_ = lines_;
     for (const PatchCracks& patch : patches_)
       for (const Trail& trail : patch.trails()) go_on(to_tips_, trail, {trail.found.tip});
     for (std::size_t p = 0; p < patches_.size(); ++p) choose(patches_[p], reaches[p].contraction);
@@ -216,10 +213,10 @@ private:
     if (tips.empty()) return;
     for (std::size_t c = 0; c < patch.cells().size(); ++c) {
       const geom::Box<2>& cell = patch.cells()[c];
-      const auto far = [&](const Vector<2>& tip) { return distance(cell, tip) > (1.0 + kNear) * reach; };
+      const auto far = [&](const Vector<2>& tip) { return distance(cell, tip) > (1.0 + kSame) * reach; };
       if (!std::ranges::all_of(tips, far)) continue;
       far_.insert(patch.numbers()[c]);
-      if (patch.is_parted_by(known_, cell)) chosen_.insert(patch.numbers()[c]);
+      if (patch.is_parted_by(known_, lines_, cell)) chosen_.insert(patch.numbers()[c]);
     }
   }
 
@@ -233,7 +230,7 @@ private:
       for (const track::Crossing& crossing : trail.found.crossings) crossed.insert(crossing.cell);
     for (std::size_t c = 0; c < patch.cells().size(); ++c)
       if (!crossed.contains(c) && std::ranges::any_of(unrest, [&](const Vector<2>& x) {
-            return distance(patch.cells()[c], x) < (1.0 + kNear) * critical;
+            return distance(patch.cells()[c], x) < (1.0 + kSame) * critical;
           }))
         chosen_.erase(patch.numbers()[c]);
   }
@@ -270,6 +267,7 @@ private:
   PatchMap map_;
   std::vector<PatchCracks> patches_;
   crack::CrackSet known_;                // all cracks as far as they part what they run through
+  std::vector<crack::Polyline> lines_;   // their points
   std::vector<crack::Polyline> to_tips_; // and straight on from there to their tips
   std::span<const Retreat> reaches_;     // one per patch
   std::set<Index> far_, chosen_;         // natural numbers of cells far from all tips, and of those to be handed back

@@ -118,6 +118,7 @@ Leaving leaving(const SceneView& scene, std::span<const geom::Box<2>> uncovered,
 {
   Leaving left;
   left.fields.resize(fields.size());
+  if (uncovered.empty()) return left;
   const auto first = static_cast<std::size_t>(scene.halo.rows().first_particle());
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
     const pd::Particle& p = scene.particles[k];

@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/adapt/divided.hpp"
 #include "pdx/couple/fracture.hpp"
 #include "pdx/couple/surroundings.hpp"
 #include "pdx/geom/same_lattice.hpp"
@@ -10,13 +11,7 @@ inline constexpr double kBroken = 1e-9; ///< of damage: less is rounding [-]
 inline geom::LatticeAnchor anchor_of(const geom::Lattice<2>& lattice) { return {lattice.origin, lattice.dx}; }
 
 /// The box around a cell.
-inline geom::Box<2> box_of(const mesh::Mesh& mesh, Index cell)
-{
-  const auto corners = mesh.corners(cell);
-  geom::Box<2> box{corners[0], corners[0]};
-  for (const Vector<2>& x : corners) box = {box.lower.cwiseMin(x), box.upper.cwiseMax(x)};
-  return box;
-}
+inline geom::Box<2> box_of(const mesh::Mesh& mesh, Index cell) { return box_around(mesh.corners(cell)); }
 
 /// What of a scene is looked at to move its patches; lent for one call.
 struct SceneView {
