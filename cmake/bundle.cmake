@@ -1,7 +1,7 @@
 # pdx_bundle(TARGET SOURCES...): with PDX_BUNDLE, sources of one folder are compiled some at a time, so that a build of
-# everything reads our headers' headers (Eigen, PETSc, fmt) a few times instead of hundreds. A source with options of its
-# own is left alone. Helpers of one name in two sources of a folder are an error then, or overloads of each other: give them
-# names that say whose, or leave sources ALONE that ends of paths match.
+# everything reads our headers a few times instead of hundreds. A source with options of its own is left alone. Helpers of one
+# name in two sources of a folder are an error then, or overloads of each other: give them names that say whose, give the
+# source a namespace of its own, or leave sources ALONE that ends of paths match.
 function(pdx_bundle target)
   if(NOT PDX_BUNDLE)
     return()
@@ -27,4 +27,14 @@ function(pdx_bundle target)
     math(EXPR count "${count} + 1")
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${folder}${number}")
   endforeach()
+endfunction()
+
+# pdx_read_once(TARGET [HEADERS...]): with PDX_BUNDLE, other people's headers are read once for all of a target's sources.
+set(pdx_foreign_headers
+    <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <map> <numeric> <optional> <set> <span> <string> <vector>
+    <Eigen/Dense> <fmt/format.h> <fmt/ranges.h> <petscdmplex.h> <petscsnes.h> <petscts.h>)
+function(pdx_read_once target)
+  if(PDX_BUNDLE)
+    target_precompile_headers(${target} PRIVATE ${pdx_foreign_headers} ${ARGN})
+  endif()
 endfunction()

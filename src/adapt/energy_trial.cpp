@@ -1,6 +1,7 @@
 #include "pdx/adapt/energy_trial.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "pdx/base/symmetric.hpp"
+
 #include <algorithm>
 
 namespace pdx::adapt {
@@ -17,14 +18,7 @@ public:
     matrix_ += terms * terms.transpose();
     right_ += terms * u.transpose();
   }
-  void solve()
-  {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> modes(matrix_);
-    const double least = kTooLittle * modes.eigenvalues().maxCoeff();
-    const Eigen::Vector4d inverse =
-        modes.eigenvalues().unaryExpr([least](double value) { return value > least ? 1.0 / value : 0.0; });
-    right_ = modes.eigenvectors() * (inverse.asDiagonal() * (modes.eigenvectors().transpose() * right_)).eval();
-  }
+  void solve() { right_ = least_solution(matrix_, right_, kTooLittle); }
   /// d u_i / d x_j, times the unit of x.
   Tensor<2> gradient(const Vector<2>& x) const
   {

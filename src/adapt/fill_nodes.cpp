@@ -1,8 +1,8 @@
 #include "pdx/adapt/hand_back.hpp"
 #include "pdx/adapt/vertex_sums.hpp"
+#include "pdx/base/symmetric.hpp"
 #include "pdx/geom/box_cover.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -32,7 +32,7 @@ Eigen::RowVectorXd value_at_vertex(const double* sums, Eigen::Index sides)
   const Eigen::Map<const SixSides> right(sums + kEntries, kSquares, sides);
   for (const Eigen::Index terms : {Eigen::Index{6}, Eigen::Index{3}}) {
     const Eigen::MatrixXd part = matrix.topLeftCorner(terms, terms);
-    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(part).eigenvalues();
+    const Eigen::VectorXd values = symmetric_eigenvalues(part);
     if (values.minCoeff() > kEnough * values.maxCoeff())
       return part.ldlt().solve(Eigen::MatrixXd(right.topRows(terms))).row(0);
   }

@@ -1,9 +1,9 @@
 #include "pdx/adapt/hand_back.hpp"
 
 #include "pdx/base/gather.hpp"
+#include "pdx/base/symmetric.hpp"
 #include "pdx/geom/box_cover.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
 
@@ -97,12 +97,7 @@ public:
   {
     std::map<PetscInt, Eigen::RowVectorXd> values;
     if (number_.empty()) return values;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(matrix_);
-    const double least = kSays * modes.eigenvalues().maxCoeff();
-    const Eigen::VectorXd inverse =
-        modes.eigenvalues().unaryExpr([least](double value) { return value > least ? 1.0 / value : 0.0; });
-    const Eigen::MatrixXd all =
-        modes.eigenvectors() * (inverse.asDiagonal() * (modes.eigenvectors().transpose() * right_));
+    const Eigen::MatrixXd all = least_solution(matrix_, right_, kSays);
     for (const auto& [row, number] : number_) values[row] = all.row(number);
     return values;
   }

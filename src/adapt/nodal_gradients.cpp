@@ -1,6 +1,7 @@
 #include "pdx/adapt/nodal_gradients.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "pdx/base/symmetric.hpp"
+
 #include <cmath>
 #include <limits>
 
@@ -66,10 +67,9 @@ public:
     Eigen::Map<Eigen::Matrix<double, 2, Eigen::Dynamic>> result(sums, 2, static_cast<Eigen::Index>(sides_));
     result.setConstant(std::numeric_limits<double>::quiet_NaN());
     if (damaged) return;
-    if (const Eigen::SelfAdjointEigenSolver<Normal> all(matrix); says_enough(all.eigenvalues()))
+    if (says_enough(symmetric_eigenvalues(matrix)))
       result = matrix.ldlt().solve(sides).topRows<2>() / scale_;
-    else if (const Eigen::Matrix2d plane = matrix.topLeftCorner<2, 2>();
-             says_enough(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(plane).eigenvalues()))
+    else if (const Eigen::Matrix2d plane = matrix.topLeftCorner<2, 2>(); says_enough(symmetric_eigenvalues(plane)))
       result = plane.ldlt().solve(sides.topRows<2>()) / scale_;
   }
 
@@ -79,10 +79,7 @@ private:
     std::size_t row;
     double weight;
   };
-  template <class Values> static bool says_enough(const Values& values)
-  {
-    return values.minCoeff() > kSingular * values.maxCoeff();
-  }
+  static bool says_enough(const Eigen::VectorXd& values) { return values.minCoeff() > kSingular * values.maxCoeff(); }
   std::size_t row_of(Index vertex) const
   {
     return static_cast<std::size_t>(scene_.halo.local(scene_.node_rows[static_cast<std::size_t>(vertex)]));

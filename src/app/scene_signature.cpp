@@ -51,7 +51,8 @@ std::string plain(std::string_view text)
     double value = 0.0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     const bool is_number = error == std::errc() && end == word.data() + word.size();
-    all += (all.empty() ? "" : ",") + (is_number ? fmt::format("{}", value) : std::string(word));
+    if (!all.empty()) all += ',';
+    all += is_number ? fmt::format("{}", value) : std::string(word);
     from = comma + 1;
   }
   return all;

@@ -25,6 +25,13 @@ fem::Corners rectangle(const Vector<2>& size)
 {
   return {Vector<2>(0.0, 0.0), Vector<2>(size[0], 0.0), size, Vector<2>(0.0, size[1])};
 }
+
+/// Stiffness of the unknowns that `map` takes to those of k, row by row.
+std::vector<double> congruent(const Eigen::MatrixXd& map, const Eigen::Ref<const Eigen::MatrixXd>& k)
+{
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> result = map.transpose() * k * map;
+  return {result.data(), result.data() + result.size()};
+}
 } // namespace
 
 CoarseMesh::CoarseMesh(fem::ElasticBody body, const couple::NodeField& node_field, const FineRows& fine,
@@ -133,8 +140,7 @@ void CoarseMesh::add_special(const fem::ElementMatrix& stiffness, const std::arr
       const auto column = std::ranges::find(special.rows, s.row) - special.rows.begin();
       map.block<2, 2>(static_cast<Eigen::Index>(2 * a), 2 * column) += s.factor * Eigen::Matrix2d::Identity();
     }
-  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> k = map.transpose() * stiffness * map;
-  special.stiffness.assign(k.data(), k.data() + k.size());
+  special.stiffness = congruent(map, stiffness);
   special_.push_back(std::move(special));
 }
 
@@ -155,8 +161,7 @@ void CoarseMesh::add_cut(const xfem::CutElement& cut)
     map.block<2, 2>(at, static_cast<Eigen::Index>(2 * a)) = -factor * Eigen::Matrix2d::Identity();
     special.rows.push_back(halo_->local(coarse_of(cut.sets[a])));
   }
-  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> coarse = map.transpose() * k * map;
-  special.stiffness.assign(coarse.data(), coarse.data() + coarse.size());
+  special.stiffness = congruent(map, k);
   special_.push_back(std::move(special));
 }
 

@@ -3,8 +3,8 @@
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/base/joined.hpp"
+#include "pdx/base/symmetric.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -26,16 +26,15 @@ struct Pair {
   PetscInt a, b;
 };
 
-using Modes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>;
-double least_resistance(const Modes& modes) { return kNoResistance * std::max(1.0, modes.eigenvalues()[2]); }
+double least_resistance(const SymmetricModes& modes) { return kNoResistance * std::max(1.0, modes.values[2]); }
 
 /// Modes that nothing resists, in words.
-std::string free_motions(const Modes& modes)
+std::string free_motions(const SymmetricModes& modes)
 {
   Eigen::Matrix3d free = Eigen::Matrix3d::Zero(); // projector
   int count = 0;
-  for (; count < 3 && modes.eigenvalues()[count] <= least_resistance(modes); ++count)
-    free += modes.eigenvectors().col(count) * modes.eigenvectors().col(count).transpose();
+  for (; count < 3 && modes.values[count] <= least_resistance(modes); ++count)
+    free += modes.vectors.col(count) * modes.vectors.col(count).transpose();
   std::string words;
   const auto add = [&](const char* word) { words += (words.empty() ? "" : " and ") + std::string(word); };
   for (Eigen::Index d = 0; d < 2; ++d)
@@ -295,8 +294,8 @@ std::optional<LoosePart> LooseParts::judge(const std::vector<PetscInt>& labels, 
     if (part.nodes == 0 && part.particles <= debris && !part.loaded) continue;
     const auto held = resistances.find(label);
     const Eigen::Matrix3d resistance = held == resistances.end() ? Eigen::Matrix3d::Zero() : held->second;
-    const Modes modes(resistance);
-    if (modes.eigenvalues()[0] > least_resistance(modes)) continue;
+    const SymmetricModes modes = symmetric_modes(resistance);
+    if (modes.values[0] > least_resistance(modes)) continue;
     ++loose.others;
     if (largest && !part.before(*largest)) continue;
     largest = &part;

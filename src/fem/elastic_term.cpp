@@ -1,10 +1,10 @@
 #include "pdx/fem/elastic_term.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/base/symmetric.hpp"
 #include "pdx/fem/elastic_kernel.hpp"
 #include "pdx/fem/element_action.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace pdx::fem {
@@ -18,7 +18,7 @@ double largest_ratio(const ElementMatrix& stiffness, const Eigen::Vector4d& area
   ElementVector scale;
   for (int a = 0; a < 4; ++a) scale.segment<2>(2 * a).setConstant(1.0 / std::sqrt(areas[a]));
   const Eigen::Matrix<double, 8, 8> scaled = scale.asDiagonal() * stiffness * scale.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 8, 8>>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[7];
+  return symmetric_eigenvalues(scaled)[7];
 }
 } // namespace
 

@@ -1,9 +1,9 @@
 #include "pdx/solve/tangent_operator.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/base/symmetric.hpp"
 #include "pdx/solve/rigid_modes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace pdx::solve {
@@ -153,11 +153,11 @@ void TangentOperator::hold_weak_rows()
   weak_.clear();
   for (const Index row : candidates) {
     const Block block = diagonal_block(row);
-    const Eigen::SelfAdjointEigenSolver<Block> modes(0.5 * (block + block.transpose()));
+    const SymmetricModes modes = symmetric_modes(0.5 * (block + block.transpose()));
     Block free = Block::Zero(block.rows(), block.cols());
     for (int k = 0; k < system_.rows.dim; ++k)
-      if (modes.eigenvalues()[k] < kNoStiffness * system_.scale)
-        free += modes.eigenvectors().col(k) * modes.eigenvectors().col(k).transpose();
+      if (modes.values[k] < kNoStiffness * system_.scale)
+        free += modes.vectors.col(k) * modes.vectors.col(k).transpose();
     if (!free.isZero()) weak_.push_back({row, free});
   }
   held_rows_ = static_cast<std::int64_t>(weak_.size());

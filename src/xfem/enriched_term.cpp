@@ -1,10 +1,9 @@
 #include "pdx/xfem/enriched_term.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/base/symmetric.hpp"
 #include "pdx/fem/elastic_kernel.hpp"
 #include "pdx/xfem/enriched_kernel.hpp"
-
-#include <Eigen/Eigenvalues>
 
 namespace pdx::xfem {
 namespace {
@@ -18,11 +17,6 @@ EnrichedVector gathered(std::span<const Index> rows, std::span<const double> u)
   return d;
 }
 
-double largest_eigenvalue(const fem::ElementMatrix& stiffness)
-{
-  const Eigen::Matrix<double, 8, 8> k = stiffness;
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 8, 8>>(k, Eigen::EigenvaluesOnly).eigenvalues()[7];
-}
 } // namespace
 
 EnrichedTerm::EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, fem::Kinematics kinematics,
@@ -129,7 +123,7 @@ void EnrichedTerm::add_stiffness_bound(std::span<double> blocks) const
 {
   for_each_side([&](std::span<const PartPoint> points, const std::array<Index, 4>& rows) {
     const double bound =
-        largest_eigenvalue(fem::part_tangent(points, fem::ElementVector::Zero(), law_, fem::Kinematics::small));
+        symmetric_eigenvalues(fem::part_tangent(points, fem::ElementVector::Zero(), law_, fem::Kinematics::small))[7];
     for (const Index row : rows)
       if (row < owned_rows_)
         for (const std::size_t diagonal : {0, 3}) blocks[4 * static_cast<std::size_t>(row) + diagonal] += bound;

@@ -1,7 +1,7 @@
 #pragma once
+#include "pdx/base/symmetric.hpp"
 #include "pdx/solve/stable_step.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace pdx::test {
@@ -50,7 +50,6 @@ inline double true_limit(const field::System& system)
     for (std::size_t i = 0; i < free.size(); ++i)
       k(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = force[free[i]] / std::sqrt(mass[free[i] / 2]);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(k, Eigen::EigenvaluesOnly);
-  return 2.0 / std::sqrt(solver.eigenvalues()[n - 1]);
+  return 2.0 / std::sqrt(symmetric_eigenvalues(k)[n - 1]);
 }
 } // namespace pdx::test

@@ -2,10 +2,7 @@
 
 #include <gtest/gtest.h>
 
-using namespace pdx;
-using test::bar;
-using test::tension_error;
-
+namespace pdx::test::patch_shapes {
 namespace {
 constexpr double kExact = 1e-10; // relative, all rows
 constexpr Index kCells = 16;     // of the unit square, per side
@@ -163,3 +160,4 @@ TEST(PatchShapes, EnergyAndForcesAreThoseOfOneRank)
     EXPECT_NEAR(work(PETSC_COMM_WORLD) / test::on_one_rank(work), 1.0, 1e-9) << shape.name;
   }
 }
+} // namespace pdx::test::patch_shapes

@@ -2,10 +2,8 @@
 
 #include <gtest/gtest.h>
 
-using namespace pdx;
+namespace pdx::test::patch_test {
 using couple::Scheme;
-using test::kStrains;
-using test::worst_error;
 
 namespace {
 const geom::Box<2> kMiddle{{0.25, 0.25}, {0.75, 0.75}};
@@ -93,8 +91,6 @@ TEST(PatchTest, BondsOfTheContinuumFailByTheirModuli)
 }
 
 namespace {
-using test::bar;
-using test::tension_error;
 const geom::Box<2> kAtTheBottom{{0.25, 0.0}, {0.75, 0.5}}, kFromBottomToTop{{0.25, 0.0}, {0.75, 1.0}};
 } // namespace
 
@@ -136,3 +132,4 @@ TEST(PatchTest, GhostSchemeFailsByAThirdOfAPercent)
     EXPECT_NEAR(100.0 * scene.max_error(scene.solve().get(), kStrains[k].field), 0.31, 0.02) << kStrains[k].name;
   }
 }
+} // namespace pdx::test::patch_test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-using namespace pdx;
+namespace pdx::test::rigid_motion {
 using couple::Scheme;
 
 namespace {
@@ -88,3 +88,4 @@ TEST(RigidMotion, ForcesOfAnyDeformationHaveNoResultant)
       }
     }
 }
+} // namespace pdx::test::rigid_motion

@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-using namespace pdx;
-
+namespace pdx::test::loads {
 namespace {
 const law::Elastic kLaw{1.0, 0.25, law::Plane::stress, 0.5};
 const geom::Box<2> kBox{{0.0, 0.0}, {3.0, 2.0}};
@@ -65,3 +64,4 @@ TEST(Loads, CoveredCellsTakeNoLoad)
   EXPECT_NEAR(sum[0], 1.5 * 0.5, 1e-13);
   EXPECT_NEAR(sum[1], 2.0 * 3.0 * 1.5 * 0.5, 1e-13);
 }
+} // namespace pdx::test::loads

@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-using namespace pdx;
-
+namespace pdx::test::nodal_stress {
 namespace {
 const geom::Box<2> kBox{{0.0, 0.0}, {3.0, 2.0}};
 const law::Elastic kLaw{200e9, 0.25, law::Plane::stress, 1e-3};
@@ -41,3 +40,4 @@ TEST(NodalStress, IsTheMeanOfTheCellsAroundANode)
   for (Index v = 0; v < mesh.owned_vertices(); ++v)
     EXPECT_NEAR(stress[3 * static_cast<std::size_t>(v)], 1000.0 * (1.0 + mesh.point(v).x()), 1e-9);
 }
+} // namespace pdx::test::nodal_stress

@@ -13,8 +13,8 @@
 #include <limits>
 #include <petscsys.h>
 
+namespace pdx::test::sealed_reader {
 namespace {
-using namespace pdx;
 constexpr PetscInt kRows = 7; // of the table; row 3 is nobody's
 
 struct World {
@@ -193,3 +193,4 @@ TEST(SealedReader, RefusesNumbersThatAreNotFinite)
     EXPECT_NE(std::string(error.what()).find("dataset /values holds nan"), std::string::npos) << error.what();
   }
 }
+} // namespace pdx::test::sealed_reader

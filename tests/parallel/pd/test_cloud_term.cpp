@@ -8,10 +8,9 @@
 #include <gtest/gtest.h>
 #include <random>
 
+namespace pdx::test::cloud_term {
 namespace {
-using namespace pdx;
 using pd::Kinematics;
-using test::sum;
 
 constexpr double kDx = 0.25, kThickness = 0.5;
 const auto go_on = [] { return solve::TimeDriver::Verdict::go_on; };
@@ -293,3 +292,4 @@ TEST(CloudTerm, RefusesAlikeOnEveryRankWhatOneRankSees)
   EXPECT_NE(message(3.0).find("numbers 7 and 8 are in one place"), std::string::npos);
 }
 } // namespace
+} // namespace pdx::test::cloud_term

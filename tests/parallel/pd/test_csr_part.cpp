@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-using namespace pdx;
+namespace pdx::test::csr_part {
 using pd::Kinematics;
 
 namespace {
@@ -205,3 +205,4 @@ TEST(CsrPart, RefusesWhatMakesNoBonds)
   EXPECT_THROW(make(1.0, 0.5), UserError);
 }
 } // namespace
+} // namespace pdx::test::csr_part

@@ -5,11 +5,7 @@
 #include <gtest/gtest.h>
 #include <map>
 
-using namespace pdx;
-
-using pdx::test::rank;
-using pdx::test::ranks;
-
+namespace pdx::test::lattice_part {
 namespace {
 constexpr Index kWide = 19, kHigh = 17;
 
@@ -208,3 +204,4 @@ TEST(FamilyShare, WeighsTheBondsOfAnIrregularPartition)
       EXPECT_NEAR(weight, 2.0 / (q(grid.site(share.sites[static_cast<std::size_t>(k)])) + q(other)), 1e-14);
     });
 }
+} // namespace pdx::test::lattice_part

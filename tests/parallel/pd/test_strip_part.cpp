@@ -9,14 +9,9 @@
 #include <set>
 #include <tuple>
 
-using namespace pdx;
+namespace pdx::test::strip_part {
 using pd::Kinematics;
 using pd::Processor;
-
-using pdx::test::largest;
-using pdx::test::rank;
-using pdx::test::ranks;
-using pdx::test::sum;
 
 namespace {
 constexpr double kDx = 0.25;
@@ -349,3 +344,4 @@ TEST(StripPart, TakesOverWhatWasRestored)
   EXPECT_EQ(patch.bonds(), bonds);
 }
 } // namespace
+} // namespace pdx::test::strip_part

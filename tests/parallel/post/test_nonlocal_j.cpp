@@ -5,10 +5,7 @@
 
 #include <gtest/gtest.h>
 
-using namespace pdx;
-
-using pdx::test::ranks;
-
+namespace pdx::test::nonlocal_j {
 namespace {
 const geom::Lattice<2> kLattice{{1.0, 2.0}, 0.25, {23, 21}}; // 5.75 by 5.25 m
 const Vector<2> kMiddle(1.0 + 12 * 0.25, 2.0 + 10 * 0.25);
@@ -190,3 +187,4 @@ TEST(NonlocalJ, VanishesInAPatchAmongElements)
       post::nonlocal_j({PETSC_COMM_WORLD, part, pd::Kinematics::linear, u, w, reach}, Vector<2>::UnitX(), {&widest, 1});
   EXPECT_NEAR(found[0].j, 0.0, 1e-10 * 3.0 * 1e-6 * widest.side);
 }
+} // namespace pdx::test::nonlocal_j

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+namespace pdx::test::implicit_driver {
 namespace {
-using namespace pdx;
 using field::Drive;
-using test::Oscillators;
 const auto go_on = [] { return solve::TimeDriver::Verdict::go_on; };
 
 TEST(ImplicitDriver, IsOfSecondOrderAndStableBeyondTheExplicitLimit)
@@ -65,3 +64,4 @@ TEST(ImplicitDriver, WantsAStep)
   EXPECT_THROW(solve::ImplicitDriver(o.system()), UserError);
 }
 } // namespace
+} // namespace pdx::test::implicit_driver

@@ -5,12 +5,7 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
-using namespace pdx;
-using test::kUnbreakable;
-using test::Spring;
-
-using pdx::test::ranks;
-
+namespace pdx::test::load_stepping {
 namespace {
 constexpr std::array<double, 2> kX{1.0, 0.0}, kY{0.0, 1.0};
 
@@ -215,3 +210,4 @@ TEST(WeakRows, ARowThatComesLooseOnTheWayStays)
   EXPECT_NEAR(r.end[0], 0.75, 1e-13); // where it was when its spring broke
   EXPECT_NEAR(r.end[2], 1.0, 1e-13);
 }
+} // namespace pdx::test::load_stepping

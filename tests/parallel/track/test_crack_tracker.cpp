@@ -7,8 +7,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-using namespace pdx;
-
+namespace pdx::test::crack_tracker {
 namespace {
 const geom::Lattice<2> kLattice{{0.0, -10.0}, 1.0, {60, 20}};
 const track::TreeGround kGround{kLattice, 3.0, {{}, 60}}; // the name of a site is its number
@@ -118,3 +117,4 @@ TEST(CrackTracker, WhatWasBrokenFromTheStartIsNoGrowth)
   EXPECT_EQ(tracker.now().tips, 1);
   EXPECT_FALSE(tracker.tree().start_time());
 }
+} // namespace pdx::test::crack_tracker

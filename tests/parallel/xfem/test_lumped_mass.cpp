@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-using namespace pdx;
-
+namespace pdx::test::lumped_mass {
 namespace {
 constexpr double kDensity = 3.0, kThickness = 0.2;
 
@@ -102,3 +101,4 @@ TEST(LumpedMass, OfElementsThatAreNoParallelogramsIsComplete)
   EXPECT_NEAR(body.sum(total), kDensity * kThickness, 1e-13);
 }
 } // namespace
+} // namespace pdx::test::lumped_mass

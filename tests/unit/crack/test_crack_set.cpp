@@ -4,8 +4,8 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+namespace pdx::test::crack_set {
 namespace {
-using namespace pdx;
 using crack::CrackSet;
 using crack::Polyline;
 const geom::Box<2> kBody{{0.0, 0.0}, {4.0, 2.0}};
@@ -116,3 +116,4 @@ TEST(CrackSet, RefusesWhatIsNoCrack)
   EXPECT_EQ(refusal({{1, 1}, {2, 1}, {1.5, 1.001}}), ""); // sharp, but a corner
 }
 } // namespace
+} // namespace pdx::test::crack_set

@@ -1,6 +1,6 @@
 #include "patch.hpp"
+#include "pdx/base/symmetric.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 using namespace pdx;
@@ -132,7 +132,7 @@ TEST(ElasticKernel, KinematicsAgreeOnTheUndeformedTangent)
 TEST(ElasticKernel, UndeformedTangentResistsAllButThreeRigidModes)
 {
   const auto k = fem::element_tangent(middle(), fem::ElementVector::Zero(), kPlate, Kinematics::small);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 8, 8>> modes(k);
-  EXPECT_LT(modes.eigenvalues().head<3>().cwiseAbs().maxCoeff(), 1e-14 * modes.eigenvalues()[7]);
-  EXPECT_GT(modes.eigenvalues()[3], 1e-2 * modes.eigenvalues()[7]);
+  const Eigen::VectorXd modes = symmetric_eigenvalues(k);
+  EXPECT_LT(modes.head<3>().cwiseAbs().maxCoeff(), 1e-14 * modes[7]);
+  EXPECT_GT(modes[3], 1e-2 * modes[7]);
 }

@@ -3,10 +3,9 @@
 
 #include <gtest/gtest.h>
 
+namespace pdx::test::cut_bonds {
 namespace {
-using namespace pdx;
 using crack::CrackSet;
-using test::Window;
 
 template <int Dim> std::int64_t cut(Window<Dim>& window, const CrackSet& cracks)
 {
@@ -89,3 +88,4 @@ TEST(CutBonds, OfSeveralCracksABondIsCutOnce)
   EXPECT_EQ(cut(window, CrackSet({line, beside}, body)), cut(other, CrackSet({line}, body)));
 }
 } // namespace
+} // namespace pdx::test::cut_bonds

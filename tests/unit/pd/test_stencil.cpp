@@ -5,8 +5,8 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+namespace pdx::test::stencil {
 namespace {
-using namespace pdx;
 using law::Micromodulus;
 using pd::Calibration;
 constexpr double kDx = 2.5e-5, kYoung = 192e9;
@@ -229,3 +229,4 @@ TEST(Stencil, KnowsThePapersStep)
   EXPECT_NEAR(step(6.0, Micromodulus::conical), 1.677, 1e-3);
 }
 } // namespace
+} // namespace pdx::test::stencil

@@ -5,9 +5,8 @@
 #include <gtest/gtest.h>
 #include <map>
 
+namespace pdx::test::surface {
 namespace {
-using namespace pdx;
-
 constexpr Index kWide = 40, kHigh = 30;
 constexpr double kDx = 0.25;
 
@@ -157,3 +156,4 @@ TEST(CorrectSides, AnyWindowSaysTheSame)
   }
 }
 } // namespace
+} // namespace pdx::test::surface

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+namespace pdx::test::toughness {
 namespace {
-using namespace pdx;
 using law::Micromodulus;
 using pd::Calibration;
 using pd::Toughness;
@@ -99,3 +99,4 @@ TEST(Toughness, RefusesWhatIsNotPositive)
       EXPECT_THROW(pd::critical_stretch<2>(stencil, bond, gc, by), UserError);
 }
 } // namespace
+} // namespace pdx::test::toughness

@@ -1,6 +1,6 @@
 #include "cut_plate.hpp"
+#include "pdx/base/symmetric.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ struct Spectrum {
 };
 Spectrum spectrum(const Eigen::MatrixXd& k)
 {
-  const Eigen::VectorXd value = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd value = symmetric_eigenvalues(k);
   const double largest = value[value.size() - 1];
   const int rigid = static_cast<int>(std::ranges::count_if(value, [&](double v) { return v < 1e-12 * largest; }));
   return {rigid, largest / value[rigid]};

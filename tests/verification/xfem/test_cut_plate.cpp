@@ -1,6 +1,6 @@
+#include "pdx/base/symmetric.hpp"
 #include "support/cracked.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 namespace pdx::test {
@@ -108,8 +108,7 @@ struct Condition {
 
 double condition(const Eigen::MatrixXd& matrix)
 {
-  const Eigen::VectorXd values =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = symmetric_eigenvalues(matrix);
   EXPECT_GT(values[0], 0.0);
   return values[values.size() - 1] / values[0];
 }
