@@ -8,6 +8,7 @@ import concurrent.futures
 import csv
 import dataclasses
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -22,6 +23,8 @@ import compare
 import fields
 
 TIMEOUT = 120  # [s] longer is a hang
+# When one rank has ended with an error, mpirun waits a second before it ends the others; here all end by themselves.
+NO_WAIT = {"OMPI_MCA_odls_base_sigkill_timeout": "0", "PRTE_MCA_odls_base_sigkill_timeout": "0"}
 
 # 1 x 1 m in 4 x 4 elements, clamped on the left, pulled and sheared on the right: the smallest scene worth a run.
 SMALL = {
@@ -109,9 +112,8 @@ def without_launcher(said):
 
 def finish(command, directory, timeout=TIMEOUT):
     """Runs a command there to its end: exit status (None if it hung), what it said on stdout and on stderr."""
-    with subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=directory
-    ) as process:
+    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, **pipes, text=True, cwd=directory, env=os.environ | NO_WAIT) as process:
         try:
             out, err = process.communicate(timeout=timeout)
             return process.returncode, out, without_launcher(err)

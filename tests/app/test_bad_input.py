@@ -1,6 +1,7 @@
-"""Mistakes in the input, through the program: exit status 1 and one line that says how to mend it, on 1 and 2 ranks.
+"""Mistakes in the input: exit status 1 and one line that says how to mend it, on 1 and 2 ranks.
 
-Usage: test_bad_input.py PDXSOLVE [unittest arguments]. Each row of CASES changes a run that is right (which is tested
+Usage: test_bad_input.py PDXSOLVE [unittest arguments]. All in one process, if the harness of tests/fuzz was built
+beside the program; through the program itself every second on 1 rank and every eighth on 2, or else all. Each row of CASES changes a run that is right (which is tested
 to be right) in one way, and says what the line on stderr must name. The environment lets Open MPI run (ctest sets it;
 by hand: `. scripts/mpi_env.sh`).
 """
@@ -8,13 +9,17 @@ by hand: `. scripts/mpi_env.sh`).
 import concurrent.futures
 import dataclasses
 import pathlib
+import sys
 import tempfile
 import unittest
 
+import harness
 import program
 
 TIMEOUT = 60  # [s] longer is a hang
+HARNESS = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "").resolve().parent / "tests" / "fuzz_harness"
 RANKS = (1, 2)
+THROUGH = {1: 2, 2: 8}  # by ranks: one of so many goes through the program
 
 PLATE = {
     "-case": "bad_input",
@@ -462,22 +467,48 @@ GOOD = [
 ]
 
 
+def write_files(directory):
+    for name, text in FILES.items():
+        (pathlib.Path(directory) / name).write_text(text, encoding="utf-8")
+
+
+def lines_of(said, directory):
+    return [line.replace(str(directory), "{dir}") for line in said.splitlines() if line.strip()]
+
+
 def run(case, ranks):
     """Runs the program in a directory of its own: (exit status or None for a hang, stdout, lines of stderr)."""
     with tempfile.TemporaryDirectory() as directory:
-        for name, text in FILES.items():
-            (pathlib.Path(directory) / name).write_text(text, encoding="utf-8")
+        write_files(directory)
         command = program.launcher(ranks) + [program.PROGRAM] + case.arguments(directory)
         status, out, err = program.finish(command, directory, TIMEOUT)
-    return status, out, [line.replace(directory, "{dir}") for line in err.splitlines() if line.strip()]
+    return status, out, lines_of(err, directory)
 
 
-def run_all(cases, run=run):
+def run_all(cases, run=run, ranks=RANKS):
     """Runs every case on every number of ranks, nine at a time (they mostly wait to start and to stop); yields (case, ranks, result of run)."""
-    jobs = [(case, ranks) for case in cases for ranks in RANKS]
+    jobs = [(case, count) for case in cases for count in ranks]
     with concurrent.futures.ThreadPoolExecutor(max_workers=9) as pool:
         for job, result in zip(jobs, pool.map(lambda job: run(*job), jobs)):
             yield *job, result
+
+
+def run_together(cases, ranks):
+    """Runs every case in one process; yields as run_all does."""
+    with tempfile.TemporaryDirectory() as name:
+        write_files(name)
+        outcomes = harness.run(HARNESS, [case.arguments(name) for case in cases], ranks, pathlib.Path(name), TIMEOUT)
+        for case, outcome in zip(cases, outcomes):
+            errors = [f"error: {outcome.message}"] if outcome.status else []
+            yield case, ranks, (outcome.status, "", lines_of("\n".join([outcome.said, *errors]), name))
+
+
+def run_each(cases):
+    """Runs every case on every number of ranks; yields as run_all does."""
+    for ranks in RANKS:
+        if HARNESS.exists():
+            yield from run_together(cases, ranks)
+        yield from run_all(cases[:: THROUGH[ranks] if HARNESS.exists() else 1], ranks=(ranks,))
 
 
 class ThroughTheProgram(unittest.TestCase):
@@ -486,12 +517,12 @@ class ThroughTheProgram(unittest.TestCase):
     CASES, GOOD = CASES, GOOD
 
     def test_runs_that_are_right_succeed(self):
-        for case, ranks, (status, _, lines) in run_all(self.GOOD):
+        for case, ranks, (status, _, lines) in run_each(self.GOOD):
             with self.subTest(case=case.name, ranks=ranks):
                 self.assertEqual((status, lines), (0, []))
 
     def test_mistakes_end_with_status_1_and_one_line(self):
-        for case, ranks, (status, out, lines) in run_all(self.CASES):
+        for case, ranks, (status, out, lines) in run_each(self.CASES):
             with self.subTest(case=case.name, ranks=ranks):
                 self.assertIsNotNone(status, f"still running after {TIMEOUT} s; stderr: {lines}")
                 self.assertEqual(status, 1, f"stderr: {lines}")

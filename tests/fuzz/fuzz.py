@@ -12,7 +12,6 @@ import argparse
 import json
 import os
 import pathlib
-import queue
 import random
 import re
 import resource
@@ -20,12 +19,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import threading
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "app"))
 sys.dont_write_bytecode = True
 
+import harness
 import mutations
 import program
 import seeds
@@ -166,7 +165,7 @@ def run_whole(executable, cases, ranks):
     for case in cases:
         words = [*case.words, "-output_dir", str(case.directory / "out")]
         with subprocess.Popen([*program.launcher(ranks), executable, *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              cwd=case.directory, preexec_fn=limit_memory) as process:  # fmt: skip
+                              cwd=case.directory, env=os.environ | program.NO_WAIT, preexec_fn=limit_memory) as process:  # fmt: skip
             try:
                 err, status = process.communicate(timeout=PATIENCE)[1], process.returncode
             except subprocess.TimeoutExpired:
@@ -176,73 +175,14 @@ def run_whole(executable, cases, ranks):
         yield case, judge(status, said), status
 
 
-class Harness:
-    """The harness over a list of cases, begun anew behind one that ends it."""
-
-    def __init__(self, executable, cases, ranks, scratch):
-        self.cases, self.scratch = cases, scratch
-        self.list = scratch / f"list_{len(list(scratch.glob('list_*')))}.json"
-        commands = [[*case.words, "-output_dir", str(case.directory / "out")] for case in cases]
-        self.list.write_text(json.dumps(commands), encoding="utf-8")
-        self.command = [*program.launcher(ranks), executable, str(self.list)]
-
-    def outcomes(self):
-        """Yields (case, what is wrong, status)."""
-        first = 0
-        while first < len(self.cases):
-            for case, wrong, status in self.round(first):
-                first += 1
-                yield case, wrong, status
-
-    def round(self, first):
-        """From one case until the harness ends, which is the fault of the case it was at."""
-        said = self.scratch / "said"
-        with open(said, "wb") as err:
-            process = subprocess.Popen([*self.command, str(first)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=err, cwd=self.scratch,
-                                       preexec_fn=limit_memory)  # fmt: skip
-        lines = queue.Queue()
-        reader = threading.Thread(target=self.read, args=(process.stdout, lines), daemon=True)
-        reader.start()
-        for k in range(first, len(self.cases)):
-            outcome = self.next_outcome(lines)
-            if outcome is None or outcome == "hangs":
-                process.terminate()
-                process.wait()
-                words = self.said_in(said, k) if outcome is None else ""
-                status = None if outcome else process.returncode
-                wrong = judge(status, words, "") if outcome else f"ended with {status}: {words.strip()[-300:]}"
-                yield self.cases[k], wrong, status
-                return
-            yield self.cases[k], judge(outcome["status"], self.said_in(said, k), outcome["message"]), outcome["status"]
-        process.wait()
-        if process.returncode:
-            raise SystemExit(f"fuzz: the harness ended with {process.returncode}: {said.read_text(errors='replace')[-1000:]}")
-
-    @staticmethod
-    def read(stream, lines):
-        for line in stream:
-            lines.put(line)
-        lines.put(None)
-
-    @staticmethod
-    def next_outcome(lines):
-        """The harness' next word: its outcome, "hangs", or None if it ended. Other words on stdout are passed over."""
-        while True:
-            try:
-                line = lines.get(timeout=PATIENCE)
-            except queue.Empty:
-                return "hangs"
-            if line is None:
-                return None
-            if line.startswith(b'{"case"'):
-                return json.loads(line)
-
-    @staticmethod
-    def said_in(path, k):
-        """What was said on stderr in case k."""
-        text = path.read_bytes().decode(errors="replace")
-        part = text.rpartition(f"\ncase {k}\n")[2]
-        return part.partition(f"\ncase {k + 1}\n")[0]
+def run_together(executable, cases, ranks, scratch):
+    """All in one process, begun anew behind a case that ends it; yields (case, what is wrong, status)."""
+    for case, outcome in zip(cases, harness.run(executable, [(case.words + ["-output_dir", str(case.directory / "out")]) for case in cases], ranks, scratch,
+                                                patience=PATIENCE, preexec_fn=limit_memory)):  # fmt: skip
+        if outcome.ended:
+            yield case, f"ended with {outcome.status}: {outcome.said.strip()[-300:]}", outcome.status
+        else:
+            yield case, judge(outcome.status, outcome.said, outcome.message), outcome.status
 
 
 def main():
@@ -259,7 +199,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="pdx_fuzz_") as name:
         scratch = pathlib.Path(name)
         inputs = Inputs(scratch, arguments.seed, arguments.kind)
-        run = lambda cases: run_whole(executable, cases, arguments.ranks) if arguments.whole else Harness(executable, cases, arguments.ranks, scratch).outcomes()
+        run = lambda cases: run_whole(executable, cases, arguments.ranks) if arguments.whole else run_together(executable, cases, arguments.ranks, scratch)
 
         before = inputs.good("before", seeds.BEFORE_RESTART)
         faults = [(case, wrong or f"status {status}") for case, wrong, status in run([before]) if wrong or status]
