@@ -1,148 +1,10 @@
 #include "pdx/adapt/contraction.hpp"
 
-#include "pdx/adapt/crack_paths.hpp"
-#include "pdx/adapt/patch_map.hpp"
+#include "patch_cracks.hpp"
 #include "pdx/base/gather.hpp"
-#include "pdx/track/follow.hpp"
-
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <set>
 
 namespace pdx::adapt {
 namespace {
-constexpr double kGrown = 0.35; // damage of particles beside a crack that has come by [-]
-
-/// A crack that was followed through a patch.
-struct Trail {
-  int crack = 0;
-  bool last = false; // from the crack's last point on
-  track::Followed found;
-  crack::Polyline corners() const
-  {
-    crack::Polyline all;
-    for (const track::Crossing& crossing : found.crossings) all.push_back(crossing.out);
-    return all;
-  }
-};
-
-/// One patch with its cracks.
-class PatchCracks {
-public:
-  PatchCracks(const SceneView& scene, const PatchMap& map, std::size_t patch)
-      : shape_(scene.around[patch].shape()),
-        graph_(shape_.lattice, scene.bonds.parts()[patch]->stencil(),
-               [&shape = shape_](const Site<2>& site) { return shape.active.has(site); })
-  {
-    for (const PatchMap::Cell& cell : map.cells)
-      if (static_cast<std::size_t>(cell.patch) == patch) {
-        cells_.push_back(cell.box);
-        numbers_.push_back(cell.number);
-      }
-    for (const PatchMap::Damaged& particle : map.damaged) {
-      if (static_cast<std::size_t>(particle.patch) != patch) continue;
-      graph_.add(particle.site, particle.gone);
-      damaged_.push_back(&particle);
-    }
-    for (const crack::Tip& tip : scene.sets->cracks().tips())
-      if (shape_.holds(tip.at, kFits * shape_.lattice.dx))
-        trails_.push_back({tip.crack, tip.last, track::follow(graph_, cells_, tip.at, tip.direction)});
-  }
-
-  std::span<const geom::Box<2>> cells() const { return cells_; }
-  std::span<const Index> numbers() const { return numbers_; }
-  std::span<const Trail> trails() const { return trails_; }
-  double horizon() const { return graph_.stencil().horizon; }
-
-  /// What elements keep away from: tips, and damage that belongs to no crack that is known. @param paths of all cracks
-  std::vector<Vector<2>> tips(std::span<const crack::Polyline> paths) const
-  {
-    std::vector<Vector<2>> tips;
-    for (const Trail& trail : trails_) tips.push_back(trail.found.tip);
-    for (const PatchMap::Damaged* particle : damaged_)
-      if (particle->damage > kGrown && distance(paths, particle->x) > 2.0 * horizon()) tips.push_back(particle->x);
-    return tips;
-  }
-
-  /// The cell on the other side of a crack that runs along a side of the cell that it counts to.
-  std::optional<std::size_t> across(const track::Crossing& crossing) const
-  {
-    const Vector<2> middle = 0.5 * (crossing.in + crossing.out), along = crossing.out - crossing.in;
-    const Vector<2> there = middle + 1e-3 * Vector<2>(-along.y(), along.x()); // on its left
-    if (cells_[crossing.cell].contains(there)) return std::nullopt;
-    const auto found =
-        std::ranges::find_if(cells_, [&there](const geom::Box<2>& cell) { return cell.contains(there); });
-    return found == cells_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - cells_.begin()));
-  }
-
-  /// Where particles are damaged in some of the cells.
-  std::vector<Vector<2>> damaged_in(const std::function<bool(Index number)>& some) const
-  {
-    std::vector<Vector<2>> found;
-    for (std::size_t c = 0; c < cells_.size(); ++c)
-      if (some(numbers_[c]))
-        for (const PatchMap::Damaged* particle : damaged_)
-          if (particle->damage > kBroken && cells_[c].contains(particle->x)) found.push_back(particle->x);
-    return found;
-  }
-
-  /// Is everything in a cell and a horizon around it held together but for the paths of cracks?
-  /// @param lines of the paths
-  bool is_parted_by(const crack::CrackSet& paths, std::span<const crack::Polyline> lines,
-                    const geom::Box<2>& cell) const
-  {
-    const Vector<2> more = Vector<2>::Constant(horizon());
-    const geom::Box<2> window{cell.lower - more, cell.upper + more};
-    if (std::ranges::none_of(damaged_, [&](const auto* particle) { return window.contains(particle->x); })) return true;
-    const track::Bodies bodies = track::bodies_in(graph_, window);
-    const std::map<Site<2>, int> side = sides_of(paths, bodies.sites);
-    return track::are_sides(
-        bodies, graph_, [&](const Vector<2>& x) { return side.at(site_at(x)); },
-        [&](const Vector<2>& x) { return distance(lines, x); }, shape_.lattice.dx);
-  }
-
-private:
-  Site<2> site_at(const Vector<2>& x) const
-  {
-    const Vector<2> line = (x - shape_.lattice.origin) / shape_.lattice.dx;
-    return {static_cast<Index>(std::floor(line[0])), static_cast<Index>(std::floor(line[1]))};
-  }
-
-  /// Which sites hang together by neighbours that no path parts.
-  std::map<Site<2>, int> sides_of(const crack::CrackSet& paths, std::span<const Site<2>> sites) const
-  {
-    std::map<Site<2>, int> side;
-    for (const Site<2>& site : sites) side[site] = -1;
-    int count = 0;
-    for (const Site<2>& start : sites) {
-      if (side[start] >= 0) continue;
-      std::vector<Site<2>> open{start};
-      side[start] = count;
-      while (!open.empty()) {
-        const Site<2> here = open.back();
-        open.pop_back();
-        for (const Site<2>& step : {Site<2>{1, 0}, Site<2>{-1, 0}, Site<2>{0, 1}, Site<2>{0, -1}}) {
-          const auto next = side.find({here[0] + step[0], here[1] + step[1]});
-          if (next == side.end() || next->second >= 0) continue;
-          if (paths.cuts(shape_.lattice.point(here), shape_.lattice.point(next->first))) continue;
-          next->second = count;
-          open.push_back(next->first);
-        }
-      }
-      ++count;
-    }
-    return side;
-  }
-
-  const couple::PatchShape& shape_;
-  track::BondGraph graph_;
-  std::vector<geom::Box<2>> cells_;
-  std::vector<Index> numbers_; // natural, of each of them
-  std::vector<const PatchMap::Damaged*> damaged_;
-  std::vector<Trail> trails_;
-};
-
 /// All patches, and the cracks of the scene as far as they are known.
 class Contraction {
 public:
@@ -153,10 +15,12 @@ public:
     lines_ = given();
     for (const PatchCracks& patch : patches_)
       for (const Trail& trail : patch.trails()) go_on(lines_, trail, trail.corners());
-    known_ = crack::CrackSet(lines_, scene.mesh.bounds());
     to_tips_ = lines_;
     for (const PatchCracks& patch : patches_)
       for (const Trail& trail : patch.trails()) go_on(to_tips_, trail, {trail.found.tip});
+    for (PatchCracks& patch : patches_)
+      while (auto trail = patch.unknown(to_tips_)) take(patch, std::move(*trail));
+    known_ = crack::CrackSet(lines_, scene.mesh.bounds());
     for (std::size_t p = 0; p < patches_.size(); ++p) choose(patches_[p], reaches[p].contraction);
   }
 
@@ -187,7 +51,10 @@ public:
       for (const Trail& trail : patch.trails()) {
         const crack::Polyline handed = in_elements(patch, trail);
         longer = longer || !handed.empty();
-        go_on(cracks, trail, handed);
+        if (!trail.other_tip)
+          go_on(cracks, trail, handed);
+        else if (!handed.empty())
+          cracks.push_back(gone_on({handed[0], handed[1]}, true, std::span(handed).subspan(2)));
       }
     if (longer) change.cracks = std::move(cracks);
     change.paths = to_tips_;
@@ -203,8 +70,34 @@ private:
   }
   static void go_on(std::vector<crack::Polyline>& cracks, const Trail& trail, const crack::Polyline& ahead)
   {
-    crack::Polyline& crack = cracks[static_cast<std::size_t>(trail.crack)];
+    crack::Polyline& crack = cracks[trail.crack];
     crack = gone_on(std::move(crack), trail.last, ahead);
+  }
+
+  /// Knows one more crack, unless its path makes none.
+  void take(PatchCracks& patch, Trail trail)
+  {
+    const crack::Polyline corners = trail.corners();
+    const Vector<2>& begin = trail.found.crossings.front().in;
+    const crack::Polyline line = gone_on({begin, corners.front()}, true, corners);
+    crack::Polyline whole{begin};
+    if ((begin - *trail.other_tip).dot(corners.front() - begin) > 0.0) whole.insert(whole.begin(), *trail.other_tip);
+    whole = gone_on(gone_on(std::move(whole), true, corners), true, {{trail.found.tip}});
+    if (!goes_with(lines_, line) || !goes_with(to_tips_, whole)) return;
+    trail.crack = lines_.size();
+    lines_.push_back(line);
+    to_tips_.push_back(std::move(whole));
+    patch.add(std::move(trail));
+  }
+  bool goes_with(std::vector<crack::Polyline> cracks, const crack::Polyline& more) const
+  {
+    cracks.push_back(more);
+    try {
+      (void)crack::CrackSet(std::move(cracks), scene_.mesh.bounds());
+      return true;
+    } catch (const UserError&) { // it crosses itself, or runs along another
+      return false;
+    }
   }
 
   void choose(const PatchCracks& patch, double reach)
@@ -240,26 +133,49 @@ private:
   {
     for (const PatchCracks& patch : patches_)
       for (const Trail& trail : patch.trails()) {
-        bool stays = false;
-        for (const track::Crossing& crossing : trail.found.crossings) {
-          const Index number = patch.numbers()[crossing.cell];
-          const std::optional<std::size_t> beside = patch.across(crossing);
-          stays = stays || !chosen_.contains(number) || (beside && !chosen_.contains(patch.numbers()[*beside]));
-          if (!stays) continue;
-          chosen_.erase(number);
-          if (beside) chosen_.erase(patch.numbers()[*beside]);
+        const auto [first, end] = run_of(patch, trail);
+        const std::vector<track::Crossing>& all = trail.found.crossings;
+        for (std::size_t k = 0; k < all.size(); ++k) {
+          if (k >= first && k < end) continue;
+          chosen_.erase(patch.numbers()[all[k].cell]);
+          if (const auto beside = patch.across(all[k])) chosen_.erase(patch.numbers()[*beside]);
         }
       }
   }
 
-  /// How far the elements to come carry a crack: up to the first cell that stays.
+  /// The crossings that elements to come can carry: up to the first cell that stays; of a crack that they have nothing
+  /// of yet the longest run between cells that stay. No end is in a sliver.
+  std::pair<std::size_t, std::size_t> run_of(const PatchCracks& patch, const Trail& trail) const
+  {
+    const std::vector<track::Crossing>& all = trail.found.crossings;
+    const auto stays = [&](const track::Crossing& crossing) {
+      const std::optional<std::size_t> beside = patch.across(crossing);
+      return !chosen_.contains(patch.numbers()[crossing.cell]) ||
+             (beside && !chosen_.contains(patch.numbers()[*beside]));
+    };
+    std::pair<std::size_t, std::size_t> longest{0, 0};
+    std::size_t first = 0;
+    for (std::size_t k = 0; k <= all.size(); ++k) {
+      if (k < all.size() && !stays(all[k])) continue;
+      if (k - first > longest.second - longest.first) longest = {first, k};
+      if (!trail.other_tip) break;
+      first = k + 1;
+    }
+    auto& [begin, end] = longest;
+    while (end > begin && patch.is_sliver(all[end - 1])) --end;
+    if (!trail.other_tip) return longest;
+    while (end > begin && patch.is_sliver(all[begin])) ++begin;
+    if (end - begin < kLeastRun) return {0, 0};
+    return longest;
+  }
+
+  /// The points of those crossings; of a crack that elements have nothing of yet with the first.
   crack::Polyline in_elements(const PatchCracks& patch, const Trail& trail) const
   {
     crack::Polyline handed;
-    for (const track::Crossing& crossing : trail.found.crossings) {
-      if (!chosen_.contains(patch.numbers()[crossing.cell])) break;
-      handed.push_back(crossing.out);
-    }
+    const auto [first, end] = run_of(patch, trail);
+    if (trail.other_tip && end > first) handed.push_back(trail.found.crossings[first].in);
+    for (std::size_t k = first; k < end; ++k) handed.push_back(trail.found.crossings[k].out);
     return handed;
   }
 

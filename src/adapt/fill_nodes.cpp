@@ -3,6 +3,7 @@
 #include "pdx/base/symmetric.hpp"
 #include "pdx/geom/box_cover.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 

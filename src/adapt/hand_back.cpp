@@ -132,11 +132,13 @@ FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::si
 {
   FreshRows fresh;
   const mesh::Mesh& mesh = scene.mesh;
+  const int now = scene.sets ? scene.sets->cracks().size() : 0;
+  const int cracks = change.cracks ? static_cast<int>(change.cracks->size()) : now;
   for (Index v = 0; v < mesh.owned_vertices(); ++v) {
     if (!geom::hold(change.uncover, mesh.point(v))) continue;
     const std::span<const xfem::EnrichedSet> known =
         scene.sets ? scene.sets->of(v) : std::span<const xfem::EnrichedSet>();
-    for (int crack = 0; scene.sets && crack < scene.sets->cracks().size(); ++crack)
+    for (int crack = 0; crack < cracks; ++crack)
       if (std::ranges::find(known, crack, &xfem::EnrichedSet::crack) == known.end())
         fresh.names.push_back(field::RowName::set(mesh.natural_vertex(v), crack));
   }

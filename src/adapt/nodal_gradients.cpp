@@ -2,6 +2,7 @@
 
 #include "pdx/base/symmetric.hpp"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 

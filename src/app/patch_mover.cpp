@@ -46,6 +46,8 @@ void PatchMover::judge(const SceneOptions& s)
     for (const char* name : {"-adapt_contraction_length", "-adapt_expansions"})
       if (Options("layout").given(name))
         throw UserError(fmt::format("{} steers what patches hand back: give -adapt relocate, or drop it", name));
+  if (Options("layout").given("-adapt_border") && (s.layout.patches_move() || !s.pd.bordered() || !s.fracture.active()))
+    throw UserError("-adapt_border is of patches between elements that stay while bonds break: drop it");
   if (!s.layout.patches_move()) return;
   if (s.pd.patches.empty() && !s.pd.seeded)
     throw UserError("-adapt (-layout_renew_box) moves patches between elements: give boxes by -pd_patches, or "
@@ -89,6 +91,32 @@ std::string PatchMover::begin(const adapt::SceneView& scene, const PatchPlan& pl
 adapt::LayoutChange PatchMover::renewal(const adapt::SceneView& scene) const
 {
   return adapt::exchanged(scene, *options_.layout.renew_box, options_.time.dynamic());
+}
+
+bool PatchMover::watches() const
+{
+  const SceneOptions& s = options_;
+  return !told_ && !s.layout.patches_move() && s.fracture.active() && s.pd.bordered();
+}
+
+std::string PatchMover::border(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken)
+{
+  static Event event("border_look");
+  const bool more = any_rank(scene.mesh.comm(), broken != broken_);
+  broken_ = broken;
+  if (!more) return "";
+  const Timed timed(event);
+  std::vector<adapt::Reaches> horizons;
+  for (const pd::Stencil<2>& stencil : plan.stencils) horizons.push_back({stencil.horizon, 0.0});
+  const std::optional<Vector<2>> at = adapt::broken_at_border(scene, horizons);
+  if (!at) return "";
+  told_ = true;
+  const std::string words = fmt::format(
+      "bonds broke at {}, within a horizon of the elements around the patch, which do not break: a crack is "
+      "held back there; give larger -pd_patches, or -adapt expand",
+      options_.frame.text(*at));
+  if (options_.layout.stops_at_border) throw SolverFailure(words);
+  return words;
 }
 
 adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken)

@@ -17,6 +17,7 @@ namespace pdx::app {
 namespace {
 using Verdict = solve::TimeDriver::Verdict;
 constexpr double kMostRise = 2e-4; // of the strain energy, by one element that particles become
+constexpr int kBorderSteps = 20;   // from one look at the border of patches that stay to the next
 
 /// What steps a scene through time and records it, with checkpoints where steps are explicit. A scene and its driver
 /// live for one layout; files, recorders and checkpoints outlive them.
@@ -80,6 +81,7 @@ private:
     try {
       return driver_->run([&] {
         recorder_.after_step(*driver_);
+        watch_border();
         if (!checkpoints_) {
           look_();
           return Verdict::go_on;
@@ -96,6 +98,14 @@ private:
       if (checkpoints_) files_.after_failure([&] { checkpoints_->failed(*driver_); });
       throw;
     }
+  }
+
+  /// Tells when a crack comes to elements that cannot make way for it.
+  void watch_border()
+  {
+    const int step = driver_->step();
+    if (mover_.watches() && (step % kBorderSteps == 0 || step == driver_->expected_steps()))
+      files_.warn(mover_.border(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds));
   }
 
   /// Is all to be made anew, the mesh to be cut anew for it, or patches to move?

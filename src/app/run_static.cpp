@@ -143,6 +143,8 @@ private:
           [&](const solve::Step& step, Vec state) {
             recorder_.accept(step, state, *driver_, prior_);
             load_ = step.load;
+            if (mover_.watches())
+              files_.warn(mover_.border(d_->view(ground_->mesh), ground_->plan, d_->fracture->broken()));
             if (mover_.may_contract() && !path.done()) {
               change_ = mover_.contract(d_->view(ground_->mesh), ground_->plan, {});
               if (!change_.empty()) return Verdict::relayout;

@@ -14,6 +14,7 @@ namespace {
 constexpr double kSnap = 1e-3; // of an edge: what is nearer to a corner or a line of the mesh is on it
 constexpr double kAside =
     0.5; // spacings: a path that misses a cell by passing beyond a corner this near is on the corner
+constexpr double kSteep = 0.5;  // cosine of a crack's angle to an axis, up to which it runs across it
 constexpr double kAlong = 0.25; // slope up to which a line that misses a cell beside it is taken to run along its side
 
 /// Cells in spacings, found by place.
@@ -279,5 +280,27 @@ Followed follow(const BondGraph& graph, std::span<const geom::Box<2>> cells, con
                 const Vector<2>& direction)
 {
   return Follower(graph, cells, {in_spacings(graph.lattice(), from), direction.normalized()}).all();
+}
+
+std::optional<FoundCrack> follow_both_ways(const BondGraph& graph, std::span<const geom::Box<2>> cells,
+                                           std::size_t cell)
+{
+  const CellBox box = in_spacings(graph.lattice(), cells[cell]);
+  const Vector<2> middle = 0.5 * (box.lower + box.upper);
+  for (const int axis : {0, 1}) {
+    const Vector<2> heading = Vector<2>::Unit(axis);
+    const Vector<2> far = middle - 2.0 * (box.size().sum() + graph.stencil().horizon / graph.lattice().dx) * heading;
+    const auto found = parted(graph, box, {far, heading}, heading); // nothing lies behind its start
+    if (!found || std::abs(found->line.along[axis]) < kSteep) continue;
+    const Vector<2> along = found->line.along;
+    const Vector<2> in = in_metres(graph.lattice(), way_out(box, {found->line.at, -along}));
+    const Followed behind = follow(graph, cells, in, -along);
+    const bool beside = behind.crossings.empty();
+    const Vector<2> begin = beside ? in : behind.crossings.back().out;
+    const Vector<2> onward = beside ? along : Vector<2>(behind.crossings.back().in - begin);
+    Followed ahead = follow(graph, cells, begin, onward);
+    if (!ahead.crossings.empty()) return FoundCrack{std::move(ahead), behind.tip};
+  }
+  return std::nullopt;
 }
 } // namespace pdx::track

@@ -100,6 +100,24 @@ class Adapt(program.ProgramTest):
         self.assertTrue(any(x["particles"] > y["particles"] for x, y in zip(rows, rows[1:])), "nothing was handed back")
         self.assertGreater(moved.summary["unknowns"]["enriched"], 24)  # the crack that elements carry
 
+    def test_a_crack_at_the_border_of_a_patch_that_stays_is_told(self):
+        held = PLATE | {"-adapt": "none"}
+        said = r"bonds broke at \(\S+, \S+\), within a horizon of the elements .* -adapt expand"
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                warned = self.launch(held, ranks)
+                self.assertEqual(warned.status, 0, warned.err)
+                self.assertRegex(warned.err, r"^warning: " + said + r"\n$")
+                stopped = self.launch(held | {"-adapt_border": "stop"}, ranks)
+                self.assertEqual(stopped.status, 2, stopped.err)
+                self.assertRegex(stopped.err, r"^error: " + said + r"\n$")
+                self.assertEqual(stopped.summary["status"], "failed")
+                self.assertNotIn("adapt_look", warned.events)
+        self.assertEqual(self.solve(LARGE | {"-adapt_border": "stop", "-ts_max_steps": "440"}).err, "")
+        beam = self.launch({key: value for key, value in SHORT.items() if key != "-adapt"} | {"-adapt_border": "stop"})
+        self.assertEqual(beam.status, 2, beam.err)
+        self.assertRegex(beam.err, said)
+
     def test_ranks_break_the_same_bonds_in_patches_that_go_along(self):
         self.break_the_same_bonds(SNAIL)
 

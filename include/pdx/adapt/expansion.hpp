@@ -2,6 +2,8 @@
 #include "pdx/adapt/layout_change.hpp"
 #include "pdx/adapt/scene_view.hpp"
 
+#include <optional>
+
 namespace pdx::adapt {
 /// Distances that steer a patch. [m]
 struct Reaches {
@@ -18,6 +20,10 @@ struct Reaches {
 /// be moved there at once
 std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches,
                                            const std::vector<bool>& news, bool spare_held);
+
+/// A particle that lost a bond nearer than `critical` to the interface, where no crack that elements have leaves its
+/// patch: the first by x and y, nothing where there is none. Alike on every rank. Collective.
+std::optional<Vector<2>> broken_at_border(const SceneView& scene, std::span<const Reaches> reaches);
 
 /// Can any element become particles? Collective.
 bool can_expand(const SceneView& scene);

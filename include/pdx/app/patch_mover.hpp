@@ -26,6 +26,11 @@ public:
   std::string begin(const adapt::SceneView& scene, const PatchPlan& plan) const;
   /// Where bonds broke since the last call. @param broken bonds that this rank counts, since the start
   adapt::LayoutChange look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken);
+  /// Is the border of patches that stay as they are to be watched still?
+  bool watches() const;
+  /// Where a crack came within a horizon of elements, which do not break, in words; "" for nowhere. Watches no more
+  /// then. Throws SolverFailure where the options say so. @param broken bonds that this rank counts, since the start
+  std::string border(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken);
   /// Is it time for patches to hand back what lies behind? Alike on every rank.
   bool may_contract() const
   {
@@ -46,5 +51,6 @@ private:
   std::int64_t broken_ = 0; // at the last look, this rank
   adapt::SeenDamage seen_;
   int expansions_ = 0; // since the last contraction
+  bool told_ = false;  // what came to the border
 };
 } // namespace pdx::app

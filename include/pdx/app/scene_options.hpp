@@ -55,6 +55,7 @@ struct PdOptions {
   double skip_tolerance = 0.0; ///< explicit: bonds whose displacements do not exceed it are skipped; below 0: none [m]
   bool seeded = false;         ///< -adapt_seed tip: `patches` lie at the tips of cracks, once the scene is settled
   bool any() const { return everywhere || !patches.empty() || !cloud.empty() || seeded; }
+  bool bordered() const { return any() && !everywhere && cloud.empty(); } ///< do elements lie around patches?
   double spacing_of(std::size_t patch) const { return spacing.size() == 1 ? spacing[0] : spacing[patch]; }
 };
 

@@ -36,6 +36,7 @@ struct LayoutOptions {
   double expansion_length = 0.0;   ///< elements as near to such damage become particles; 0: likewise [m]
   double contraction_length = 0.0; ///< particles as far from all tips become elements again; 0: likewise [m]
   int adapt_interval = 1;          ///< steps from one look for such damage to the next
+  bool stops_at_border = false;    ///< where patches stay: does the run end when a crack comes to elements?
   int expansions = 1;              ///< after so many a patch hands back what lies behind [XPD2 Eq. 15]
 
   bool patches_move() const { return adapt != Adapt::none || renew_box; }

@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/track/bond_graph.hpp"
 
+#include <optional>
 #include <span>
 
 namespace pdx::track {
@@ -33,4 +34,14 @@ struct Followed {
 /// @param direction unit vector, straight on; the crack may turn here
 Followed follow(const BondGraph& graph, std::span<const geom::Box<2>> cells, const Vector<2>& from,
                 const Vector<2>& direction);
+
+/// A crack of which no end is known.
+struct FoundCrack {
+  Followed ahead;       ///< from where it comes out of what is not parted
+  Vector<2> tip_behind; ///< its other tip [m]
+};
+/// The crack that parts a cell, both ways from there; nothing if none does. Its sense is that of x, or of y if it runs
+/// nearly across. A crack that branches off another begins so, behind the fork.
+std::optional<FoundCrack> follow_both_ways(const BondGraph& graph, std::span<const geom::Box<2>> cells,
+                                           std::size_t cell);
 } // namespace pdx::track
