@@ -21,20 +21,25 @@ def step_at(run, time):
     return int(np.argmin(np.abs(np.array(times) - time)))
 
 
-def draw_damage(axes, run, time):
-    """Damage of the particles at the stored step nearest to a time; elements stay white."""
-    now, blocks = fields.read_step(run, step_at(run, time))
-    particles, x = blocks["particles"], blocks["mesh"].points[:, :2] * 1e3
-    sites = particles.points[:, :2] * 1e3
+def lattice_image(axes, sites, values):
+    """Particles of one lattice as squares coloured by their damage; what is between them stays clear. Sites in the axes'
+    unit."""
     spacing = np.diff(np.unique(np.round(sites[:, 0], 9))).min()
     lower = sites.min(axis=0)
     column, row = np.round((sites - lower) / spacing).astype(int).T
     image = np.full((row.max() + 1, column.max() + 1), np.nan)
-    image[row, column] = particles["damage"] + particles["precrack"]
+    image[row, column] = values
     upper = sites.max(axis=0)
     half = spacing / 2
-    seen = axes.imshow(image, origin="lower", cmap="viridis", vmin=0, vmax=0.6, interpolation="nearest",
+    return axes.imshow(image, origin="lower", cmap="viridis", vmin=0, vmax=0.6, interpolation="nearest",
                        extent=(lower[0] - half, upper[0] + half, lower[1] - half, upper[1] + half))  # fmt: skip
+
+
+def draw_damage(axes, run, time):
+    """Damage of the particles at the stored step nearest to a time; elements stay white."""
+    now, blocks = fields.read_step(run, step_at(run, time))
+    particles, x = blocks["particles"], blocks["mesh"].points[:, :2] * 1e3
+    seen = lattice_image(axes, particles.points[:, :2] * 1e3, particles["damage"] + particles["precrack"])
     axes.set(xlim=(x[:, 0].min(), x[:, 0].max()), ylim=(x[:, 1].min(), x[:, 1].max()), aspect="equal",
              xlabel="$x$ [mm]", ylabel="$y$ [mm]")  # fmt: skip
     axes.set_title(f"{1e6 * now:.2f} µs", fontsize=9)

@@ -1,12 +1,17 @@
 #!/usr/bin/env bash
-# The static plate of part I on two meshes: runs, draws out/plate_static.png, prints the errors beside the paper's.
+# Two parts. A crack that runs, branches and is followed by its patch: out/branching_snail.png and .gif. And the static plate
+# of part I on two meshes, whose errors are printed beside the paper's: out/plate_static.png.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 scripts/setup.sh demo
 scripts/build.sh release pdxsolve
 # shellcheck source=scripts/mpi_env.sh
 . scripts/mpi_env.sh
-python=$(scripts/find_python.sh h5py numpy matplotlib)
+python=$(scripts/find_python.sh h5py numpy matplotlib PIL)
+begin=$SECONDS
+
+mpirun -n 2 build/release/pdxsolve -options_file cases/branching/demo.opts -output_dir out/branching_snail
+"$python" scripts/snail_pictures.py out/branching_snail -o out/branching_snail --at 8 18 26 40
 
 runs=()
 for mesh in coarse fine; do
@@ -16,4 +21,4 @@ for mesh in coarse fine; do
 done
 "$python" scripts/plot_case.py "${runs[@]}" -o out/plate_static.png --kind plate
 "$python" scripts/error_table.py coarse:1.19:"${runs[0]}" fine:0.75:"${runs[1]}"
-echo "picture: out/plate_static.png"
+echo "pictures: out/branching_snail.png, out/branching_snail.gif, out/plate_static.png, in $((SECONDS - begin)) s"

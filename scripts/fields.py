@@ -53,9 +53,14 @@ def read_summary(run):
     return json.loads(path.read_text()) if path.exists() else {}
 
 
-def read_history(run):
-    """Columns of history.csv by name without unit."""
-    with open(pathlib.Path(run) / "history.csv", newline="", encoding="utf-8") as file:
+def read_curve(path):
+    """Columns of a curve (history.csv, crack_path.csv) by name without unit."""
+    with open(path, newline="", encoding="utf-8") as file:
         rows = list(csv.reader(file))
     names = [name.split(" ")[0] for name in rows[0]]
-    return dict(zip(names, np.array(rows[1:], dtype=float).T))
+    return dict(zip(names, np.array(rows[1:], dtype=float).reshape(-1, len(names)).T))
+
+
+def read_history(run):
+    """Columns of history.csv by name without unit."""
+    return read_curve(pathlib.Path(run) / "history.csv")
