@@ -18,8 +18,8 @@ public:
     to_tips_ = lines_;
     for (const PatchCracks& patch : patches_)
       for (const Trail& trail : patch.trails()) go_on(to_tips_, trail, {trail.found.tip});
-    for (PatchCracks& patch : patches_)
-      while (auto trail = patch.unknown(to_tips_)) take(patch, std::move(*trail));
+    for (std::size_t p = 0; p < patches_.size(); ++p)
+      while (auto trail = patches_[p].unknown(to_tips_, reaches[p].contraction)) take(patches_[p], std::move(*trail));
     known_ = crack::CrackSet(lines_, scene.mesh.bounds());
     for (std::size_t p = 0; p < patches_.size(); ++p) choose(patches_[p], reaches[p].contraction);
   }

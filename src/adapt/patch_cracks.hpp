@@ -52,13 +52,16 @@ public:
                            track::follow(graph_, cells_, tip.at, tip.direction), std::nullopt});
   }
 
-  /// A crack that begins or branches in this patch, and is none of the paths that are known: where most particles far
-  /// from these are damaged.
-  std::optional<Trail> unknown(std::span<const crack::Polyline> paths)
+  /// A crack that begins or branches in this patch, and is none of the paths that are known: from the damage farthest
+  /// from these on. @param reach of the tips that are known, where nothing is handed back [m]
+  std::optional<Trail> unknown(std::span<const crack::Polyline> paths, double reach)
   {
+    const auto near_tip = [&](const geom::Box<2>& cell) {
+      return std::ranges::any_of(trails_, [&](const Trail& trail) { return distance(cell, trail.found.tip) < reach; });
+    };
     std::vector<std::pair<double, std::size_t>> candidates; // less the distance, cell
     for (std::size_t c = 0; c < cells_.size(); ++c) {
-      if (tried_.contains(c)) continue;
+      if (tried_.contains(c) || near_tip(cells_[c])) continue;
       double farthest = 0.0;
       for (const PatchMap::Damaged* particle : damaged_)
         if (particle->damage > kGrown && cells_[c].contains(particle->x))

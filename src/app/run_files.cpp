@@ -57,6 +57,13 @@ void RunFiles::take_scene(const Standing& standing)
   summary.unknowns.enriched = counts[1];
   summary.unknowns.pd = counts[2];
   summary.unknowns.ghost = scene.model->ghosts;
+  if (scene.d && scene.d->sets) {
+    const xfem::CutReport& report = scene.d->sets->report();
+    auto& results = summary.results;
+    results["cut_elements"] = report.cells;
+    results["enriched_sets"] = report.sets;
+    results["enriched_sets_dropped"] = report.dropped;
+  }
   summary.partition.cut = scene.mesh->quality().cut;
   summary.partition.imbalance = scene.mesh->quality().imbalance;
   summary.partition.particles_per_rank = gather_all(comm_, std::vector<int>{rows.particles});
@@ -101,10 +108,6 @@ void RunFiles::report_cracks()
 {
   if (!scene.d || !scene.d->sets) return;
   const xfem::CutReport& report = scene.d->sets->report();
-  auto& results = summary.results;
-  results["cut_elements"] = report.cells;
-  results["enriched_sets"] = report.sets;
-  results["enriched_sets_dropped"] = report.dropped;
   if (report.dropped > 0)
     progress.line(fmt::format("{} nodes of cut elements have no enriched row: less than {:g} of their support lies on "
                               "one side",

@@ -5,6 +5,10 @@
 #include <fmt/format.h>
 
 namespace pdx::app {
+namespace {
+constexpr double kHalf = 0.5 + 1e-6; // of a step: a time midway between two belongs to the first, whatever rounding
+} // namespace
+
 void TimeRecorder::built(const Standing& scene)
 {
   files_.built(scene);
@@ -146,7 +150,7 @@ bool TimeRecorder::fields_due(const solve::TimeDriver& driver)
   if (!files_.fields) return false;
   bool due = driver.step() % output.interval == 0;
   for (; next_time_ < output.times.size(); ++next_time_) {
-    if (output.times[next_time_] >= driver.time() + 0.5 * driver.step_length()) break;
+    if (output.times[next_time_] > driver.time() + kHalf * driver.step_length()) break;
     due = due || output.times[next_time_] >= driver.time() - 0.5 * driver.step_length();
   }
   return due;

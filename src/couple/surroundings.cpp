@@ -123,6 +123,9 @@ Surroundings::Surroundings(PatchShape shape, Index band) : shape_(std::move(shap
 {
   for (const geom::StraightSide& line : geom::straight_sides(shape_.active))
     sides_.push_back({line, shape_.line(line.axis, line.at), shape_.line(1 - line.axis, line.from), {}, {}});
+  for (std::size_t d = 0; d < 2; ++d) sides_on_[d].resize(static_cast<std::size_t>(shape_.lattice.count[d]) + 1);
+  for (std::size_t k = 0; k < sides_.size(); ++k)
+    sides_on_[sides_[k].line.axis][static_cast<std::size_t>(sides_[k].line.at)].push_back(k);
   for (std::size_t d = 0; d < 2; ++d) width_[d] = shape_.lattice.count[d] + 2 * band_;
   where_.assign(static_cast<std::size_t>(width_[0]) * static_cast<std::size_t>(width_[1]), 0);
 }
@@ -208,8 +211,13 @@ int Surroundings::side_of(const Vector<2>& a, const Vector<2>& b) const
 
 std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>& inward, Index zone) const
 {
-  for (const Side& side : sides_)
-    if (auto host = host_on(side, x, inward, zone)) return host;
+  for (std::size_t d = 0; d < 2; ++d) {
+    const auto axis = static_cast<Eigen::Index>(d);
+    const double line = std::round((x[axis] - shape_.lattice.origin[axis]) / shape_.lattice.dx);
+    if (line < 0.0 || line > shape_.lattice.count[d]) continue;
+    for (const std::size_t k : sides_on_[d][static_cast<std::size_t>(line)])
+      if (auto host = host_on(sides_[k], x, inward, zone)) return host;
+  }
   return std::nullopt;
 }
 

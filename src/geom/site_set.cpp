@@ -124,14 +124,12 @@ template <int Dim> SiteSet<Dim>::SiteSet(const Site<Dim>& lower, const Site<Dim>
   }
   lower_ = least;
   upper_ = most;
-}
-
-template <int Dim> std::size_t SiteSet<Dim>::row(const Site<Dim>& site) const
-{
-  std::size_t r = 0;
-  for (std::size_t d = Dim - 1; d > 0; --d)
-    r = r * static_cast<std::size_t>(upper_[d] - lower_[d]) + static_cast<std::size_t>(site[d] - lower_[d]);
-  return r;
+  if (box_) return;
+  has_.assign(static_cast<std::size_t>(room), false);
+  for (const SiteRun<Dim>& run : runs_) {
+    const auto begin = has_.begin() + static_cast<std::ptrdiff_t>(bit(run.first));
+    std::fill(begin, begin + run.length, true);
+  }
 }
 
 template <int Dim> Site<Dim> SiteSet<Dim>::row_start(std::size_t row) const

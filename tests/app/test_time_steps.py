@@ -72,6 +72,10 @@ class Fields(program.ProgramTest):
     def test_are_written_at_the_steps_nearest_to_the_times_asked_for(self):
         self.assertEqual(self.times({"-output_times": "0.2,0.101,0.1026,0.2001"}), [0.1, 0.105, 0.2, 0.5])
 
+    def test_midway_between_steps_are_written_once(self):
+        midway = [0.005 * (k + 0.5) for k in range(10, 90)]
+        self.assertEqual(len(self.times({"-output_times": ",".join(f"{time:.4f}" for time in midway)})), len(midway) + 1)
+
     def test_are_written_at_times_and_intervals(self):
         self.assertEqual(self.times({"-output_times": "0.1", "-output_interval": "40"}), [0.1, 0.2, 0.4, 0.5])
 

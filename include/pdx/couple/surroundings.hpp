@@ -116,6 +116,7 @@ private:
   std::vector<Index> where_; // per site of lattice and band: entry of hosts_ + 1, 0 = nothing there
   std::vector<Host> hosts_;
   std::vector<Side> sides_;
+  std::array<std::vector<std::vector<std::size_t>>, 2> sides_on_; // numbers of those on each lattice line, by axis
   const crack::CrackSet *cracks_ = nullptr, *seams_ = nullptr;
 };
 } // namespace pdx::couple

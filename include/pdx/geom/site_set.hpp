@@ -28,7 +28,7 @@ public:
   {
     for (std::size_t d = 0; d < Dim; ++d)
       if (site[d] < lower_[d] || site[d] >= upper_[d]) return false;
-    return box_ || run_at(site);
+    return box_ || has_[bit(site)];
   }
   bool has_all(const Corners& box) const;
   std::int64_t size() const { return size_; }
@@ -50,7 +50,17 @@ private:
   using Interval = std::pair<Index, Index>; // [first, second) along x
   using Rows = std::vector<std::vector<Interval>>;
   SiteSet(const Site<Dim>& lower, const Site<Dim>& upper, Rows rows);
-  std::size_t row(const Site<Dim>& site) const;
+  std::size_t row(const Site<Dim>& site) const
+  {
+    std::size_t r = 0;
+    for (std::size_t d = Dim - 1; d > 0; --d)
+      r = r * static_cast<std::size_t>(upper_[d] - lower_[d]) + static_cast<std::size_t>(site[d] - lower_[d]);
+    return r;
+  }
+  std::size_t bit(const Site<Dim>& site) const
+  {
+    return row(site) * static_cast<std::size_t>(upper_[0] - lower_[0]) + static_cast<std::size_t>(site[0] - lower_[0]);
+  }
   Site<Dim> row_start(std::size_t row) const;
   std::span<const SiteRun<Dim>> runs_of(std::size_t row) const;
   const SiteRun<Dim>* run_at(const Site<Dim>& site) const;
@@ -61,6 +71,7 @@ private:
   bool box_ = true;                // all sites between lower and upper; then there are no runs
   std::vector<SiteRun<Dim>> runs_; // by row
   std::vector<std::size_t> first_; // run of each row, and the end
+  std::vector<bool> has_;          // by place in the box around it
 };
 
 /// A lattice and which of its sites are active: all of them, where none are named. A value type.
