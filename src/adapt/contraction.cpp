@@ -13,11 +13,15 @@ public:
   {
     for (std::size_t p = 0; p < scene.around.size(); ++p) patches_.emplace_back(scene, map_, p);
     lines_ = given();
-    for (const PatchCracks& patch : patches_)
-      for (const Trail& trail : patch.trails()) go_on(lines_, trail, trail.corners());
+    std::set<Index> taken; // natural numbers of cells
+    for (PatchCracks& patch : patches_)
+      for (Trail& trail : patch.trails_so_far()) {
+        patch.end_at(trail, taken);
+        extend(lines_, trail, trail.corners(), [&trail] { trail.found.crossings.clear(); });
+      }
     to_tips_ = lines_;
     for (const PatchCracks& patch : patches_)
-      for (const Trail& trail : patch.trails()) go_on(to_tips_, trail, {trail.found.tip});
+      for (const Trail& trail : patch.trails()) extend(to_tips_, trail, {trail.found.tip}, [] {});
     for (std::size_t p = 0; p < patches_.size(); ++p)
       while (auto trail = patches_[p].unknown(to_tips_, reaches[p].contraction)) take(patches_[p], std::move(*trail));
     known_ = crack::CrackSet(lines_, scene.mesh.bounds());
@@ -74,6 +78,18 @@ private:
     crack = gone_on(std::move(crack), trail.last, ahead);
   }
 
+  /// Goes on with a crack, unless it would come to run along another or cross itself.
+  void extend(std::vector<crack::Polyline>& cracks, const Trail& trail, const crack::Polyline& ahead,
+              const std::function<void()>& otherwise) const
+  {
+    std::vector<crack::Polyline> longer = cracks;
+    go_on(longer, trail, ahead);
+    if (stand(longer))
+      cracks = std::move(longer);
+    else
+      otherwise();
+  }
+
   /// Knows one more crack, unless its path makes none.
   void take(PatchCracks& patch, Trail trail)
   {
@@ -92,6 +108,10 @@ private:
   bool goes_with(std::vector<crack::Polyline> cracks, const crack::Polyline& more) const
   {
     cracks.push_back(more);
+    return stand(std::move(cracks));
+  }
+  bool stand(std::vector<crack::Polyline> cracks) const
+  {
     try {
       (void)crack::CrackSet(std::move(cracks), scene_.mesh.bounds());
       return true;
@@ -130,6 +150,13 @@ private:
 
   /// Elements cannot carry a crack that comes out of particles, nor one of whose sides there are only particles.
   void end_trails()
+  {
+    for (std::size_t before = chosen_.size() + 1; chosen_.size() < before;) { // what ends one may end another
+      before = chosen_.size();
+      end_each_trail();
+    }
+  }
+  void end_each_trail()
   {
     for (const PatchCracks& patch : patches_)
       for (const Trail& trail : patch.trails()) {

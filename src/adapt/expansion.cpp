@@ -134,7 +134,7 @@ std::optional<Vector<2>> broken_at_border(const SceneView& scene, std::span<cons
 {
   const couple::ParticleDamage all = couple::particle_damage(scene.halo.rows(), scene.bonds, scene.carried);
   std::vector<bool> broken(scene.particles.size());
-  for (std::size_t k = 0; k < broken.size(); ++k) broken[k] = all.damage[k] > kBroken;
+  for (std::size_t k = 0; k < broken.size(); ++k) broken[k] = all.damage[k] > kGrown;
   const std::vector<Front> near = fronts(scene, reaches, broken);
   if (near.empty()) return std::nullopt;
   const auto& x = std::ranges::min(near, {}, &Front::x).x;

@@ -12,7 +12,6 @@
 namespace pdx::adapt {
 inline constexpr std::size_t kLeastRun = 2; // elements that carry a crack which they had nothing of
 inline constexpr double kSliver = 0.05;     // of a cell's area
-inline constexpr double kGrown = 0.35;      // damage of particles beside a crack that has come by [-]
 
 /// A crack that was followed through a patch.
 struct Trail {
@@ -101,6 +100,17 @@ public:
   std::span<const geom::Box<2>> cells() const { return cells_; }
   std::span<const Index> numbers() const { return numbers_; }
   std::span<const Trail> trails() const { return trails_; }
+  std::span<Trail> trails_so_far() { return trails_; }
+  /// Ends a trail where it comes to a cell that is taken, and takes those before. @param taken natural numbers
+  void end_at(Trail& trail, std::set<Index>& taken) const
+  {
+    std::vector<track::Crossing>& all = trail.found.crossings;
+    const auto end = std::ranges::find_if(
+        all, [&](const track::Crossing& crossing) { return !taken.insert(numbers_[crossing.cell]).second; });
+    if (end == all.end()) return;
+    trail.found.tip = end->in;
+    all.erase(end, all.end());
+  }
   double horizon() const { return graph_.stencil().horizon; }
 
   /// What elements keep away from: tips, and damage that belongs to no crack that is known. @param paths of all cracks
@@ -163,6 +173,10 @@ private:
     const std::vector<track::Crossing>& all = trail.found.crossings;
     const auto is_known = [&](std::size_t k) { return known.contains(all[k].cell); };
     const auto here = static_cast<std::size_t>(std::ranges::find(all, cell, &track::Crossing::cell) - all.begin());
+    if (here == all.size()) { // it does not go through the cell
+      trail.found.crossings.clear();
+      return;
+    }
     std::size_t first = here, end = here;
     while (first > 0 && !is_known(first - 1)) --first;
     while (end < all.size() && !is_known(end)) ++end;

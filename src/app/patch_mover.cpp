@@ -112,8 +112,8 @@ std::string PatchMover::border(const adapt::SceneView& scene, const PatchPlan& p
   if (!at) return "";
   told_ = true;
   const std::string words = fmt::format(
-      "bonds broke at {}, within a horizon of the elements around the patch, which do not break: a crack is "
-      "held back there; give larger -pd_patches, or -adapt expand",
+      "a crack came to {}, within a horizon of the elements around its patch, which do not break: it is held "
+      "back there; give larger -pd_patches, or -adapt expand",
       options_.frame.text(*at));
   if (options_.layout.stops_at_border) throw SolverFailure(words);
   return words;

@@ -117,7 +117,7 @@ private:
     change_ = {};
     if (mover_.follows() && step % when.adapt_interval == 0)
       change_ = mover_.look(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds);
-    if (mover_.may_contract()) add_what_lies_behind();
+    if (mover_.may_contract()) files_.told_if_refused([&] { add_what_lies_behind(); });
     uneven_ = balance_.due(*driver_) && change_.empty(); // one after the other: what leaves is told by cells
     const bool renewed = when.renew_interval > 0 && step % when.renew_interval == 0;
     if (renewed && mover_.renews() && change_.empty()) change_ = mover_.renewal(scene_->view());

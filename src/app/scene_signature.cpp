@@ -21,6 +21,7 @@ constexpr std::string_view kMayChange[] = {"-output_",
                                            "-checkpoint_",
                                            "-restart", // what is written
                                            "-layout_renew_interval",
+                                           "-adapt_border",
                                            "-rebalance_", // what is the same with and without
                                            "-ts_",
                                            "-analysis",

@@ -108,7 +108,7 @@ LayoutOptions LayoutOptions::read()
       o.integer("-adapt_every", 1, "explicit: steps from one look for such bonds to the next", {1.0, 1e9});
   static constexpr const char* at_border[] = {"warn", "stop"};
   l.stops_at_border = o.choice("-adapt_border", 0, at_border,
-                               "where bonds break within a horizon of elements and -adapt is none: a warning, or the "
+                               "where a crack comes within a horizon of elements and -adapt is none: a warning, or the "
                                "end of the run with status 2") == 1;
   if (l.rebalance_threshold > 0.0 && l.rebalance_threshold < kLeastThreshold)
     throw UserError(fmt::format("-rebalance_threshold is {}: must be 0 (never) or at least {}", l.rebalance_threshold,

@@ -167,7 +167,10 @@ void TimeRecorder::after_step(const solve::TimeDriver& driver)
   if (looks || pictures) {
     const double begin = MPI_Wtime();
     if (looks) look(driver);
-    if (pictures) files_.write_fields(driver.time(), driver.displacement());
+    if (pictures) {
+      files_.write_fields(driver.time(), driver.displacement());
+      pictured_ = step;
+    }
     output_ += MPI_Wtime() - begin;
   }
   if (!files_.progress.due(step, last)) return;
@@ -255,7 +258,7 @@ void TimeRecorder::stopped_at(const solve::TimeDriver& driver)
   files_.summary.wall_seconds.solve = MPI_Wtime() - begin_ - output_;
   const MotionEnergies e = energies(driver);
   count(e);
-  if (files_.fields) files_.write_fields(driver.time(), driver.displacement());
+  if (files_.fields && pictured_ != driver.step()) files_.write_fields(driver.time(), driver.displacement());
   write_results(driver, e);
 }
 

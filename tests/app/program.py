@@ -23,7 +23,8 @@ import compare
 import fields
 
 TIMEOUT = 120  # [s] longer is a hang
-# When one rank has ended with an error, mpirun waits a second before it ends the others; here all end by themselves.
+# When one rank has ended with an error, mpirun waits a second before it ends the others. Where hundreds of mistakes are
+# tried it need not: what another rank says later is looked for in other tests.
 NO_WAIT = {"OMPI_MCA_odls_base_sigkill_timeout": "0", "PRTE_MCA_odls_base_sigkill_timeout": "0"}
 
 # 1 x 1 m in 4 x 4 elements, clamped on the left, pulled and sheared on the right: the smallest scene worth a run.
@@ -110,10 +111,11 @@ def without_launcher(said):
     return re.sub(r"-{60,}\n(prterun|mpirun|MPI_ABORT) .*?\n-{60,}\n", "", said, flags=re.DOTALL)
 
 
-def finish(command, directory, timeout=TIMEOUT):
-    """Runs a command there to its end: exit status (None if it hung), what it said on stdout and on stderr."""
+def finish(command, directory, timeout=TIMEOUT, more=None):
+    """Runs a command there to its end: exit status (None if it hung), what it said on stdout and on stderr.
+    `more` goes into its environment."""
     pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(command, **pipes, text=True, cwd=directory, env=os.environ | NO_WAIT) as process:
+    with subprocess.Popen(command, **pipes, text=True, cwd=directory, env=os.environ | (more or {})) as process:
         try:
             out, err = process.communicate(timeout=timeout)
             return process.returncode, out, without_launcher(err)

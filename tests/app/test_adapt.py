@@ -102,7 +102,7 @@ class Adapt(program.ProgramTest):
 
     def test_a_crack_at_the_border_of_a_patch_that_stays_is_told(self):
         held = PLATE | {"-adapt": "none"}
-        said = r"bonds broke at \(\S+, \S+\), within a horizon of the elements .* -adapt expand"
+        said = r"a crack came to \(\S+, \S+\), within a horizon of the elements .* -adapt expand"
         for ranks in (1, 2):
             with self.subTest(ranks=ranks):
                 warned = self.launch(held, ranks)
@@ -114,9 +114,21 @@ class Adapt(program.ProgramTest):
                 self.assertEqual(stopped.summary["status"], "failed")
                 self.assertNotIn("adapt_look", warned.events)
         self.assertEqual(self.solve(LARGE | {"-adapt_border": "stop", "-ts_max_steps": "440"}).err, "")
+        stopped = self.launch(held | {"-adapt_border": "stop", "-checkpoint_interval": "100000"})
+        self.assertEqual(self.launch(held | {"-restart": str(stopped.directory / "checkpoint.h5")}).status, 0)
         beam = self.launch({key: value for key, value in SHORT.items() if key != "-adapt"} | {"-adapt_border": "stop"})
         self.assertEqual(beam.status, 2, beam.err)
         self.assertRegex(beam.err, said)
+
+    def test_cracks_that_run_into_each_other_end_no_run(self):
+        for height in ("0", "0.0002"):
+            facing = SNAIL | {"-crack_names": "crack,b", "-crack_crack_points": f"-0.012,{height},-0.002,{height}",
+                              "-crack_b_points": f"0.002,-{height},0.012,-{height}", "-pd_patches": "-0.017,-0.005,0.017,0.005"}  # fmt: skip
+            with self.subTest(height=height):
+                one, two = self.solve(facing), self.solve(facing, 2)
+                self.assertGreaterEqual(one.summary["relocations"], 3)
+                self.assertEqual(one.summary["bonds_broken"], two.summary["bonds_broken"])
+                self.assertLess(abs(one.summary["results"]["energy_relocated_ratio"]), 1e-2)
 
     def test_ranks_break_the_same_bonds_in_patches_that_go_along(self):
         self.break_the_same_bonds(SNAIL)

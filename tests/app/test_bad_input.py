@@ -481,7 +481,7 @@ def run(case, ranks):
     with tempfile.TemporaryDirectory() as directory:
         write_files(directory)
         command = program.launcher(ranks) + [program.PROGRAM] + case.arguments(directory)
-        status, out, err = program.finish(command, directory, TIMEOUT)
+        status, out, err = program.finish(command, directory, TIMEOUT, program.NO_WAIT)
     return status, out, lines_of(err, directory)
 
 
@@ -498,7 +498,7 @@ def run_together(cases, ranks):
     with tempfile.TemporaryDirectory() as name:
         write_files(name)
         outcomes = harness.run(HARNESS, [case.arguments(name) for case in cases], ranks, pathlib.Path(name), TIMEOUT)
-        for case, outcome in zip(cases, outcomes):
+        for outcome, case in zip(outcomes, cases):  # the outcomes first: their end is looked at too
             errors = [f"error: {outcome.message}"] if outcome.status else []
             yield case, ranks, (outcome.status, "", lines_of("\n".join([outcome.said, *errors]), name))
 

@@ -186,7 +186,7 @@ def run(case, ranks):
         os.mkfifo(here / "pipe")
         settings = [f"{key}={value}" for key, value in case.environment.items()]
         command = ["env", *settings, *program.launcher(ranks), program.PROGRAM, *case.words]
-        status, out, err = program.finish(command, directory, mistakes.TIMEOUT)
+        status, out, err = program.finish(command, directory, mistakes.TIMEOUT, program.NO_WAIT)
     return status, out, [line for line in err.splitlines() if line.strip()]
 
 

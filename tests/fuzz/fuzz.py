@@ -177,8 +177,9 @@ def run_whole(executable, cases, ranks):
 
 def run_together(executable, cases, ranks, scratch):
     """All in one process, begun anew behind a case that ends it; yields (case, what is wrong, status)."""
-    for case, outcome in zip(cases, harness.run(executable, [(case.words + ["-output_dir", str(case.directory / "out")]) for case in cases], ranks, scratch,
-                                                patience=PATIENCE, preexec_fn=limit_memory)):  # fmt: skip
+    commands = [case.words + ["-output_dir", str(case.directory / "out")] for case in cases]
+    outcomes = harness.run(executable, commands, ranks, scratch, patience=PATIENCE, preexec_fn=limit_memory)
+    for outcome, case in zip(outcomes, cases):  # the outcomes first: their end is looked at too
         if outcome.ended:
             yield case, f"ended with {outcome.status}: {outcome.said.strip()[-300:]}", outcome.status
         else:

@@ -21,8 +21,8 @@ struct Reaches {
 std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches,
                                            const std::vector<bool>& news, bool spare_held);
 
-/// A particle that lost a bond nearer than `critical` to the interface, where no crack that elements have leaves its
-/// patch: the first by x and y, nothing where there is none. Alike on every rank. Collective.
+/// A particle that a crack has come by, nearer than `critical` to the interface, where no crack that elements have
+/// leaves its patch: the first by x and y, nothing where there is none. Alike on every rank. Collective.
 std::optional<Vector<2>> broken_at_border(const SceneView& scene, std::span<const Reaches> reaches);
 
 /// Can any element become particles? Collective.

@@ -6,6 +6,7 @@
 #include "pdx/pd/particles.hpp"
 
 namespace pdx::adapt {
+inline constexpr double kGrown = 0.35;  ///< damage of particles beside a crack that has come by [-]
 inline constexpr double kBroken = 1e-9; ///< of damage: less is rounding [-]
 
 inline geom::LatticeAnchor anchor_of(const geom::Lattice<2>& lattice) { return {lattice.origin, lattice.dx}; }

@@ -70,6 +70,7 @@ private:
   double converted_ = 0.0, left_ = 0.0; // energy by changes of layout; in the scene that was left [J]
   double begin_ = 0.0, output_ = 0.0;
   int first_step_ = 0;
+  int pictured_ = -1;         // step whose fields were written last
   std::size_t next_time_ = 0; // of OutputOptions::times
 };
 } // namespace pdx::app

@@ -50,6 +50,7 @@ TEST(Layout, CracksOfACheckpointMayHaveGrownFromTheirTips)
   EXPECT_EQ(refusal({{kMouth, kTip, on}, {kFirst, kLast}}), "");
   EXPECT_EQ(refusal({{kMouth, kTip, on, farther}, {before, kFirst, kLast}}), "");
   EXPECT_EQ(refusal({{kMouth, kTip}, {before, kFirst, kLast, {0.9, 0.25}}}), "");
+  EXPECT_EQ(refusal({{kMouth, kTip}, {kFirst, kLast}, {{0.1, 0.1}, {0.2, 0.1}}}), "") << "began or branched later";
   EXPECT_EQ(refusal({{kMouth, kTip}, {kFirst, kLast}}, app::Adapt::none), "");
 }
 
@@ -59,7 +60,6 @@ TEST(Layout, OtherCracksOfACheckpointAreRefused)
   const crack::Polyline edge{kMouth, kTip}, inner{kFirst, kLast};
   for (const std::vector<crack::Polyline>& other :
        std::vector<std::vector<crack::Polyline>>{{edge},
-                                                 {edge, inner, {{0.1, 0.1}, {0.2, 0.1}}},
                                                  {inner, edge},
                                                  {{aside, kMouth, kTip}, inner}, // a mouth does not grow
                                                  {{kMouth, on}, inner},
@@ -69,4 +69,5 @@ TEST(Layout, OtherCracksOfACheckpointAreRefused)
     EXPECT_NE(refusal(other).find("/layout_cracks is not where the cracks of this scene run"), std::string::npos)
         << other.size() << " cracks, " << other[0].size() << " points";
   EXPECT_NE(refusal({{kMouth, kTip, on}, inner}, app::Adapt::none), "") << "patches that stay";
+  EXPECT_NE(refusal({edge, inner, {{0.1, 0.1}, {0.2, 0.1}}}, app::Adapt::none), "") << "patches that stay";
 }
