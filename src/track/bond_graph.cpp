@@ -123,7 +123,6 @@ bool are_sides(const Bodies& bodies, const BondGraph& graph, const std::function
   for (const Sided& body : all) {
     if (body.particles == 0 || (body.particles <= kCrumbs && body.near)) continue;
     if (body.sure.size() > 1) return false;
-    if (body.near) continue; // debris between the faces, or the rest of a side
     const auto& votes = body.sure.empty() ? body.unsure : body.sure;
     const auto more = [](const auto& a, const auto& b) { return a.second < b.second; };
     if (++bodies_on[std::ranges::max_element(votes, more)->first] > 1) return false;

@@ -3,7 +3,6 @@
 #include "soft_line.hpp"
 
 #include <algorithm>
-#include <map>
 
 namespace pdx::track {
 namespace {
@@ -20,26 +19,7 @@ struct Two {
   int other(int body) const { return body == first ? second : first; }
 };
 
-/// Bodies with a particle all of whose neighbours are theirs.
-std::vector<bool> thick_ones(const Bodies& bodies)
-{
-  std::map<Site<2>, int> at;
-  for (std::size_t k = 0; k < bodies.sites.size(); ++k) at[bodies.sites[k]] = bodies.body[k];
-  std::vector<bool> thick(static_cast<std::size_t>(bodies.count), false);
-  for (const auto& [site, body] : at) {
-    bool whole = true;
-    for (Index j = -1; j <= 1; ++j)
-      for (Index i = -1; i <= 1; ++i) {
-        const auto there = at.find({site[0] + i, site[1] + j});
-        whole = whole && there != at.end() && there->second == body;
-      }
-    if (whole) thick[static_cast<std::size_t>(body)] = true;
-  }
-  return thick;
-}
-
-/// Bodies that are more than crumbs, and if these are more than two, more than strips of debris; none if they are not
-/// two.
+/// Bodies that are more than crumbs; none if they are not two.
 std::optional<Two> two_bodies(const Bodies& bodies)
 {
   std::vector<int> particles(static_cast<std::size_t>(bodies.count));
@@ -47,10 +27,6 @@ std::optional<Two> two_bodies(const Bodies& bodies)
   std::vector<int> large;
   for (int b = 0; b < bodies.count; ++b)
     if (particles[static_cast<std::size_t>(b)] > kCrumbs) large.push_back(b);
-  if (large.size() > 2) {
-    const std::vector<bool> thick = thick_ones(bodies);
-    std::erase_if(large, [&](int body) { return !thick[static_cast<std::size_t>(body)]; });
-  }
   if (large.size() != 2) return std::nullopt;
   return Two{large[0], large[1]};
 }

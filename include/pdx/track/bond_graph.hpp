@@ -50,9 +50,8 @@ Bodies bodies_in(const BondGraph& graph, const geom::Box<2>& window);
 /// Are the bodies exactly the sides that `side_of` says (a body per side, no body on two sides)?
 /// @param side_of     number of the side of a point [m]
 /// @param distance_of distance of a point from the nearest line between sides [m]
-/// @param slack       particles nearer to a line than that may lie on the wrong side [m]. A body with none
-///                    farther than that and a spacing from a line is debris between the faces and does not count,
-///                    if it lies on one side, or has at most five particles.
+/// @param slack       particles nearer to a line than that may lie on the wrong side [m]. A body of at most five
+///                    particles, none farther than that and a spacing from a line, is crumbs and does not count.
 bool are_sides(const Bodies& bodies, const BondGraph& graph, const std::function<int(const Vector<2>&)>& side_of,
                const std::function<double(const Vector<2>&)>& distance_of, double slack);
 

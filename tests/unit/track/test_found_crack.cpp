@@ -43,24 +43,6 @@ TEST(FoundCrack, IsTheSameFromAnyOfItsCells)
   EXPECT_GT(tried, 6);
 }
 
-TEST(FoundCrack, StripsOfDebrisBetweenItsFacesHideNoCrack)
-{
-  for (const double height : {18.0, 19.0, 20.0}) { // across a cell, and along a line of the mesh
-    CrackedLattice plate({48, 40}, 3.0), clean({48, 40}, 3.0);
-    plate.cut({{0.0, height}, {36.0, height}}).cut({{0.0, height + 1.0}, {36.0, height + 1.0}});
-    clean.cut({{0.0, height + 0.5}, {36.0, height + 0.5}});
-    const auto cells = plate.cells(4, 4);
-    const Vector<2> from(0.0, height + 0.5);
-    const track::Followed through = track::follow(plate.graph(), cells, from, Vector<2>::UnitX());
-    expect_chain(through, cells, from);
-    EXPECT_GE(through.crossings.size(), track::follow(clean.graph(), cells, from, Vector<2>::UnitX()).crossings.size());
-    Errors path;
-    walk(through.crossings, [&](const Vector<2>& x, std::size_t) { path.add(x.y() - height - 0.5); });
-    EXPECT_LT(path.most, 0.8);
-    EXPECT_NEAR(through.tip.x(), 36.0, 0.9);
-  }
-}
-
 TEST(FoundCrack, NothingIsFoundWhereNothingIsParted)
 {
   CrackedLattice plate({40, 40}, 3.0);
