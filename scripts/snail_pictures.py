@@ -183,10 +183,12 @@ def main():
     parser.add_argument("run", metavar="OUT_DIR")
     parser.add_argument("-o", "--output", required=True, metavar="BASENAME", help="pictures to write, without .png, .gif")
     parser.add_argument("--at", type=float, nargs="+", help="times of the panels in µs, in statics loads (default: even)")
-    parser.add_argument("--panels", type=int, default=4, help="of the strip")
+    parser.add_argument("--panels", type=int, default=4, choices=range(1, 17), metavar="N", help="of the strip, 1 to 16")
     parser.add_argument("--window", type=float, nargs=4, metavar="X", help="piece of the plate, in the unit of the axes")
     parser.add_argument("--strip", action="store_true", help="the strip alone, no animation")
     options = parser.parse_args()
+    if not pathlib.Path(options.output).parent.is_dir():
+        parser.error(f"-o {options.output}: there is no such directory")
     try:
         run = Run(options.run, options.window)
     except (OSError, KeyError) as error:

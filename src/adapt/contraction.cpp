@@ -15,15 +15,16 @@ public:
     lines_ = given();
     std::set<Index> taken; // natural numbers of cells
     for (PatchCracks& patch : patches_)
-      for (Trail& trail : patch.trails_so_far()) {
-        patch.end_at(trail, taken);
-        extend(lines_, trail, trail.corners(), [&trail] { trail.found.crossings.clear(); });
+      for (Trail& trail : patch.trails()) {
+        patch.keep_what_is_free(trail, 0, taken);
+        if (!extend(lines_, trail, trail.corners())) trail.found.crossings.clear();
       }
     to_tips_ = lines_;
     for (const PatchCracks& patch : patches_)
-      for (const Trail& trail : patch.trails()) extend(to_tips_, trail, {trail.found.tip}, [] {});
+      for (const Trail& trail : patch.trails()) extend(to_tips_, trail, {trail.found.tip});
     for (std::size_t p = 0; p < patches_.size(); ++p)
-      while (auto trail = patches_[p].unknown(to_tips_, reaches[p].contraction)) take(patches_[p], std::move(*trail));
+      while (auto trail = patches_[p].unknown(to_tips_, reaches[p].contraction, taken))
+        take(patches_[p], std::move(*trail));
     known_ = crack::CrackSet(lines_, scene.mesh.bounds());
     for (std::size_t p = 0; p < patches_.size(); ++p) choose(patches_[p], reaches[p].contraction);
   }
@@ -78,16 +79,14 @@ private:
     crack = gone_on(std::move(crack), trail.last, ahead);
   }
 
-  /// Goes on with a crack, unless it would come to run along another or cross itself.
-  void extend(std::vector<crack::Polyline>& cracks, const Trail& trail, const crack::Polyline& ahead,
-              const std::function<void()>& otherwise) const
+  /// Goes on with a crack, unless it would come to run along another or cross itself. Does it?
+  bool extend(std::vector<crack::Polyline>& cracks, const Trail& trail, const crack::Polyline& ahead) const
   {
     std::vector<crack::Polyline> longer = cracks;
     go_on(longer, trail, ahead);
-    if (stand(longer))
-      cracks = std::move(longer);
-    else
-      otherwise();
+    if (!stand(longer)) return false;
+    cracks = std::move(longer);
+    return true;
   }
 
   /// Knows one more crack, unless its path makes none.

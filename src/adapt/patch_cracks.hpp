@@ -53,19 +53,19 @@ public:
 
   /// A crack that begins or branches in this patch, and is none of the paths that are known: from the damage farthest
   /// from these on. @param reach of the tips that are known, where nothing is handed back [m]
-  std::optional<Trail> unknown(std::span<const crack::Polyline> paths, double reach)
+  /// @param taken natural numbers of cells that trails go through: its own are added
+  std::optional<Trail> unknown(std::span<const crack::Polyline> paths, double reach, std::set<Index>& taken)
   {
     const auto near_tip = [&](const geom::Box<2>& cell) {
       return std::ranges::any_of(trails_, [&](const Trail& trail) { return distance(cell, trail.found.tip) < reach; });
     };
+    const std::vector<std::pair<Vector<2>, double>> far = unclaimed(paths);
     std::vector<std::pair<double, std::size_t>> candidates; // less the distance, cell
     for (std::size_t c = 0; c < cells_.size(); ++c) {
-      if (tried_.contains(c) || near_tip(cells_[c])) continue;
       double farthest = 0.0;
-      for (const PatchMap::Damaged* particle : damaged_)
-        if (particle->damage > kGrown && cells_[c].contains(particle->x))
-          farthest = std::max(farthest, distance(paths, particle->x));
-      if (farthest > 2.0 * horizon()) candidates.push_back({-farthest, c});
+      for (const auto& [x, away] : far)
+        if (cells_[c].contains(x)) farthest = std::max(farthest, away);
+      if (farthest > 0.0 && !tried_.contains(c) && !near_tip(cells_[c])) candidates.push_back({-farthest, c});
     }
     std::ranges::sort(candidates);
     for (const auto& [less, c] : candidates) {
@@ -73,7 +73,8 @@ public:
       auto found = track::follow_both_ways(graph_, cells_, c);
       if (!found) continue;
       Trail trail{0, true, std::move(found->ahead), found->tip_behind};
-      keep_what_is_new(trail, c);
+      const auto here = std::ranges::find(trail.found.crossings, c, &track::Crossing::cell);
+      keep_what_is_free(trail, static_cast<std::size_t>(here - trail.found.crossings.begin()), taken);
       if (trail.found.crossings.size() >= kLeastRun) return trail;
     }
     return std::nullopt;
@@ -100,16 +101,21 @@ public:
   std::span<const geom::Box<2>> cells() const { return cells_; }
   std::span<const Index> numbers() const { return numbers_; }
   std::span<const Trail> trails() const { return trails_; }
-  std::span<Trail> trails_so_far() { return trails_; }
-  /// Ends a trail where it comes to a cell that is taken, and takes those before. @param taken natural numbers
-  void end_at(Trail& trail, std::set<Index>& taken) const
+  std::span<Trail> trails() { return trails_; }
+  /// Leaves of a trail what goes from one of its crossings, both ways, up to cells that others have taken, and takes
+  /// it.
+  void keep_what_is_free(Trail& trail, std::size_t here, std::set<Index>& taken) const
   {
-    std::vector<track::Crossing>& all = trail.found.crossings;
-    const auto end = std::ranges::find_if(
-        all, [&](const track::Crossing& crossing) { return !taken.insert(numbers_[crossing.cell]).second; });
-    if (end == all.end()) return;
-    trail.found.tip = end->in;
-    all.erase(end, all.end());
+    const std::vector<track::Crossing>& all = trail.found.crossings;
+    const auto is_free = [&](std::size_t k) { return !taken.contains(numbers_[all[k].cell]); };
+    std::size_t first = here, end = here;
+    while (first > 0 && here < all.size() && is_free(first - 1)) --first;
+    while (end < all.size() && is_free(end)) ++end;
+    if (first > 0 && first < end) trail.other_tip = all[first - 1].out;
+    if (end < all.size()) trail.found.tip = all[end].in;
+    trail.found.crossings =
+        std::vector(all.begin() + static_cast<std::ptrdiff_t>(first), all.begin() + static_cast<std::ptrdiff_t>(end));
+    for (const track::Crossing& crossing : trail.found.crossings) taken.insert(numbers_[crossing.cell]);
   }
   double horizon() const { return graph_.stencil().horizon; }
 
@@ -121,8 +127,7 @@ public:
       tips.push_back(trail.found.tip);
       if (trail.other_tip) tips.push_back(*trail.other_tip);
     }
-    for (const PatchMap::Damaged* particle : damaged_)
-      if (particle->damage > kGrown && distance(paths, particle->x) > 2.0 * horizon()) tips.push_back(particle->x);
+    for (const auto& [x, away] : unclaimed(paths)) tips.push_back(x);
     return tips;
   }
 
@@ -164,26 +169,16 @@ public:
   }
 
 private:
-  /// Of a trail that goes through a cell: up to cells that trails known before go through.
-  void keep_what_is_new(Trail& trail, std::size_t cell) const
+  /// Where particles are that a crack came by which is none of the paths, and how far from these. [m]
+  std::vector<std::pair<Vector<2>, double>> unclaimed(std::span<const crack::Polyline> paths) const
   {
-    std::set<std::size_t> known;
-    for (const Trail& other : trails_)
-      for (const track::Crossing& crossing : other.found.crossings) known.insert(crossing.cell);
-    const std::vector<track::Crossing>& all = trail.found.crossings;
-    const auto is_known = [&](std::size_t k) { return known.contains(all[k].cell); };
-    const auto here = static_cast<std::size_t>(std::ranges::find(all, cell, &track::Crossing::cell) - all.begin());
-    if (here == all.size()) { // it does not go through the cell
-      trail.found.crossings.clear();
-      return;
+    std::vector<std::pair<Vector<2>, double>> far;
+    for (const PatchMap::Damaged* particle : damaged_) {
+      if (particle->damage <= kGrown) continue;
+      const double away = distance(paths, particle->x);
+      if (away > 2.0 * horizon()) far.emplace_back(particle->x, away);
     }
-    std::size_t first = here, end = here;
-    while (first > 0 && !is_known(first - 1)) --first;
-    while (end < all.size() && !is_known(end)) ++end;
-    if (first > 0) trail.other_tip = all[first - 1].out;
-    if (end < all.size()) trail.found.tip = all[end].in;
-    trail.found.crossings =
-        std::vector(all.begin() + static_cast<std::ptrdiff_t>(first), all.begin() + static_cast<std::ptrdiff_t>(end));
+    return far;
   }
 
   Site<2> site_at(const Vector<2>& x) const

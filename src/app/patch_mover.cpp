@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <utility>
 
 namespace pdx::app {
 namespace {
@@ -93,6 +94,11 @@ adapt::LayoutChange PatchMover::renewal(const adapt::SceneView& scene) const
   return adapt::exchanged(scene, *options_.layout.renew_box, options_.time.dynamic());
 }
 
+bool PatchMover::broke_more(MPI_Comm comm, std::int64_t broken)
+{
+  return any_rank(comm, std::exchange(broken_, broken) != broken);
+}
+
 bool PatchMover::watches() const
 {
   const SceneOptions& s = options_;
@@ -102,9 +108,7 @@ bool PatchMover::watches() const
 std::string PatchMover::border(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken)
 {
   static Event event("border_look");
-  const bool more = any_rank(scene.mesh.comm(), broken != broken_);
-  broken_ = broken;
-  if (!more) return "";
+  if (!broke_more(scene.mesh.comm(), broken)) return "";
   const Timed timed(event);
   std::vector<adapt::Reaches> horizons;
   for (const pd::Stencil<2>& stencil : plan.stencils) horizons.push_back({stencil.horizon, 0.0});
@@ -122,9 +126,7 @@ std::string PatchMover::border(const adapt::SceneView& scene, const PatchPlan& p
 adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken)
 {
   static Event event("adapt_look");
-  const bool more = any_rank(scene.mesh.comm(), broken != broken_);
-  broken_ = broken;
-  if (!more) return {};
+  if (!broke_more(scene.mesh.comm(), broken)) return {};
   const Timed timed(event);
   adapt::LayoutChange change;
   change.cover = adapt::expansion(scene, reaches(scene, plan), seen_.news(scene), options_.time.dynamic());

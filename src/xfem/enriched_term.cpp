@@ -16,7 +16,6 @@ EnrichedVector gathered(std::span<const Index> rows, std::span<const double> u)
   }
   return d;
 }
-
 } // namespace
 
 EnrichedTerm::EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, fem::Kinematics kinematics,

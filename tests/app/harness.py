@@ -43,11 +43,11 @@ def run_from(first, end, command, scratch, patience, preexec_fn):
         result = next_result(lines, patience)
         if result in (None, "hangs"):
             process.terminate()
-            process.wait()
+            process.wait(patience)
             yield Outcome(None, "", "") if result else Outcome(process.returncode, "", said_in(said, k), ended=True)
             return
         if k + 1 == end:
-            process.wait()
+            process.wait(patience)
         yield Outcome(result["status"], result["message"], said_in(said, k, whole=True))
     if process.returncode:
         raise SystemExit(f"the harness ended with {process.returncode}: {said.read_text(errors='replace')[-1000:]}")

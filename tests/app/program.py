@@ -22,7 +22,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import compare
 import fields
 
-AT_BORDER = re.compile(r"^warning: a crack came to \([^\n]*\n", re.MULTILINE)  # where a patch ends
+AT_BORDER = re.compile(r"^warning: a crack came to \([^\n]*\n", re.MULTILINE)
 TIMEOUT = 120  # [s] longer is a hang
 # When one rank has ended with an error, mpirun waits a second before it ends the others. Where hundreds of mistakes are
 # tried it need not: what another rank says later is looked for in other tests.
@@ -141,10 +141,13 @@ class ProgramTest(unittest.TestCase):
         command = [*launcher(ranks), *before, PROGRAM, *words_of(options), "-output_dir", str(directory)]
         return Run(*finish(command, ROOT), directory)
 
+    CRACKS_REACH_BORDERS = False  # do scenes of these tests have patches that end where their cracks run?
+
     def solve(self, options, ranks=1, directory=None):
-        """Runs a scene that must succeed without a word on stderr; but patches may be as small as tests want them."""
+        """Runs a scene that must succeed without a word on stderr."""
         run = self.launch(options, ranks, directory=directory)
-        self.assertEqual((run.status, AT_BORDER.sub("", run.err)), (0, ""), f"{ranks} ranks; stdout: {run.out}")
+        said = AT_BORDER.sub("", run.err) if self.CRACKS_REACH_BORDERS else run.err
+        self.assertEqual((run.status, said), (0, ""), f"{ranks} ranks; stdout: {run.out}")
         return run
 
     def assert_same_displacement(self, a, b, tolerance=1e-9):

@@ -52,7 +52,8 @@ class Cases(program.ProgramTest):
             while process.poll() is None and (in_time or not stands.exists()) and time.monotonic() < end:
                 time.sleep(0.005)
             process.send_signal(signal.SIGTERM)
-            return process.wait(), process.stderr.read()
+            said = process.communicate(timeout=program.TIMEOUT)[1]
+            return process.returncode, said
 
     def test_every_scene_is_taken(self):
         for path in SCENES:

@@ -31,7 +31,7 @@ class Meshes(program.ProgramTest):
         lines = set()
         for ranks in (1, 2):
             run = self.launch(options, ranks)
-            lines.add(program.AT_BORDER.sub("", run.err))
+            lines.add(run.err)
             self.assertEqual(run.status, 1, run.err)
         self.assertEqual(len(lines), 1, lines)
         line = lines.pop()

@@ -47,6 +47,8 @@ private:
   std::vector<adapt::Reaches> reaches(const adapt::SceneView& scene, const PatchPlan& plan) const;
   adapt::Reaches reaches(const couple::Surroundings& around, double horizon) const;
 
+  bool broke_more(MPI_Comm comm, std::int64_t broken); ///< on any rank, since the last call
+
   const SceneOptions& options_;
   std::int64_t broken_ = 0; // at the last look, this rank
   adapt::SeenDamage seen_;
