@@ -27,6 +27,8 @@ BLOCK = TORN | {
 
 
 class Layout(program.ProgramTest):
+    CRACKS_REACH_BORDERS = True
+
     def assert_the_same(self, whole, other):
         self.assertEqual(results(whole), results(other))
         names = [name for name in ("checkpoint.h5", "history.csv", "fields.xdmf", "crack_path.csv") if name in whole.files]

@@ -66,6 +66,8 @@ def scaled(options, factor):
 
 
 class Moved(program.ProgramTest):
+    CRACKS_REACH_BORDERS = True
+
     def energy(self, options, ranks=1):
         return self.solve(options, ranks).summary["results"]["strain_energy"]
 

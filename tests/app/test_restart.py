@@ -15,6 +15,8 @@ KILLS = 20
 
 
 class Restart(program.ProgramTest):
+    CRACKS_REACH_BORDERS = True
+
     def cut_in_two(self, options, ranks, half=200):
         """Runs half of the scene and leaves its directory, with a checkpoint, to go on in."""
         directory = self.scratch / f"half_{self.runs}"

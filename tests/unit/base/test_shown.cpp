@@ -23,7 +23,9 @@ TEST(Shown, CutsBetweenCharacters)
 
 TEST(Shown, OfALongPathTheEndIsKept)
 {
-  const std::string path = shown_path(std::string(5000, 'a') + "/case.opts");
+  std::string given;
+  while (given.size() < 5000) given += 'a'; // at once, g++ 12 sees an overflow that is none
+  const std::string path = shown_path(given + "/case.opts");
   EXPECT_LT(path.size(), 130u);
   EXPECT_TRUE(path.starts_with("...a") && path.ends_with("/case.opts")) << path;
 }
