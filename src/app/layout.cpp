@@ -42,9 +42,10 @@ bool are_grown(const std::vector<crack::Polyline>& lines, const crack::CrackSet&
   };
   for (int k = 0; k < given.size(); ++k) {
     const crack::Polyline& line = lines[static_cast<std::size_t>(k)];
-    const auto known = std::ranges::search(line, given.points(k));
-    if (known.empty() || (known.begin() != line.begin() && !grows(k, false)) ||
-        (known.end() != line.end() && !grows(k, true)))
+    const auto& start = given.points(k);
+    const auto known = std::search(line.begin(), line.end(), start.begin(), start.end());
+    if (known == line.end() || (known != line.begin() && !grows(k, false)) ||
+        (line.end() - known != std::ssize(start) && !grows(k, true)))
       return false;
   }
   return true;

@@ -106,7 +106,8 @@ std::string given_scene(MPI_Comm comm, const SceneOptions& scene)
 {
   Options options("signature");
   std::string text = lines_of(scene);
-  const std::vector<OptionDoc> docs = documented_options(); // a copy: reading adds to them
+  const auto& known = documented_options();
+  const std::vector<OptionDoc> docs(known.begin(), known.end()); // a copy: reading adds to them
   for (const OptionDoc& doc : docs)
     if (belongs(doc.name)) text += fmt::format("{} = {}\n", doc.name, value_of(options, doc));
   if (options.given("-mesh_file")) {
