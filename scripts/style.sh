@@ -2,12 +2,12 @@
 # Style, as CI sees it: style.sh [format] [layers] [tidy] (default: all three).
 #   format   clang-format over all C++ files, nothing is rewritten
 #   layers   who includes whom, the map of the rooms, lengths of files
-#   tidy     clang-tidy over C++ files changed since CI_BASE (default: three commits ago), at most 5
+#   tidy     clang-tidy over C++ files changed since CI_BASE (default: three commits ago), at most 3
 # Formatters differ from version to version: where the pinned one is missing (Debian 13), format is skipped with a word,
 # and tidy takes the clang-tidy there is, or none. CI runs on Debian 12, which has both.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-readonly tidy_limit=5 pinned=14
+readonly tidy_limit=3 pinned=14
 
 check_format() {
   if ! command -v clang-format-$pinned >/dev/null; then

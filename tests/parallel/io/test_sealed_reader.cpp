@@ -119,7 +119,10 @@ TEST(SealedReader, IsAnHdf5FileForOthers)
   const Hdf5Id set(H5Dopen2(file, "/numbers", H5P_DEFAULT), H5Dclose);
   std::vector<double> values(40 * static_cast<std::size_t>(World().size), -1.0);
   ASSERT_GE(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
-  for (std::size_t k = 0; k < values.size(); ++k) EXPECT_EQ(values[k], 0.1 * static_cast<double>(k / 40));
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const std::size_t rank = k / 40;
+    EXPECT_EQ(values[k], 0.1 * static_cast<double>(rank));
+  }
 }
 
 TEST(SealedReader, RefusesEveryDamagedByte)
