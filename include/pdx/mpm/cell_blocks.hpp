@@ -13,11 +13,22 @@ template <int Dim> struct LocalCell {
   std::uint64_t points = 0;
 };
 
+/// Values of the corners, of Dim values per local row.
+template <int Dim> CellVector<Dim> corner_values(const LocalCell<Dim>& cell, std::span<const double> values)
+{
+  CellVector<Dim> corners;
+  for (std::size_t a = 0; a < cell.rows.size(); ++a)
+    for (std::size_t d = 0; d < Dim; ++d)
+      corners[static_cast<Eigen::Index>(a * Dim + d)] = values[static_cast<std::size_t>(cell.rows[a]) * Dim + d];
+  return corners;
+}
+
 /// What cells of a body with the same points have in common, each pair once. Borrows the bodies.
 template <int Dim> class PointPatterns {
 public:
   explicit PointPatterns(std::span<const BodyMaterial> bodies) : bodies_(bodies) {}
-  const CellPoints<Dim>& of(Index body, std::uint64_t mask);
+  const CellPoints<Dim>& of(Index body, std::uint64_t mask); ///< makes it if it is new
+  const CellPoints<Dim>& at(Index body, std::uint64_t mask) const { return known_.at({body, mask}); }
 
 private:
   std::span<const BodyMaterial> bodies_;

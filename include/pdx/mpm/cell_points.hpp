@@ -21,12 +21,13 @@ template <int Dim> using CellMatrix = Eigen::Matrix<double, kCorners<Dim> * Dim,
 /// E h / 144 for xyz. Full cells of more than one point need none.
 template <int Dim> struct CellPoints {
   std::uint64_t mask = 0;
-  std::vector<int> sites;                            ///< of the points, rising
-  std::vector<CornerValues<Dim>> values;             ///< per point [-]
-  std::vector<CornerGradients<Dim>> gradients;       ///< per point [1/m]
-  double volume = 0.0;                               ///< of one point [m^3]
-  std::array<double, kHourglasses<Dim>> hourglass{}; ///< kappa [N/m]
-  bool held = false;                                 ///< there is hourglass control
+  std::vector<int> sites;                               ///< of the points, rising
+  std::vector<CornerValues<Dim>> values;                ///< per point [-]
+  std::vector<CornerGradients<Dim>> gradients;          ///< per point [1/m]
+  CornerValues<Dim> shares = CornerValues<Dim>::Zero(); ///< volume of the points by N_I [m^3]
+  double volume = 0.0;                                  ///< of one point [m^3]
+  std::array<double, kHourglasses<Dim>> hourglass{};    ///< kappa [N/m]
+  bool held = false;                                    ///< there is hourglass control
 
   CellPoints(const BodyMaterial& body, std::uint64_t mask);
 };
@@ -42,6 +43,11 @@ template <int Dim> Tensor<Dim> point_gradient(const CellPoints<Dim>& points, std
   const auto by_corner = Eigen::Map<const Eigen::Matrix<double, Dim, kCorners<Dim>>>(u.data());
   return by_corner * points.gradients[p];
 }
+/// D_I [N/m] of the corners with u.K u <= sum_I D_I u_I.u_I for the cell at rest: its largest frequency squared over
+/// the mass of its points. No more than c_L^2 / (h^2 place (1 - place)) times the mass if a place is the least from a
+/// side of the cell that a point may have, whatever points there are: few points have little stiffness too.
+template <int Dim> CornerValues<Dim> stiffness_bound(const BodyMaterial& body, const CellPoints<Dim>& points);
+
 /// Tangent of a cell at a displacement of its corners [N/m].
 template <int Dim>
 CellMatrix<Dim> cell_tangent(const BodyMaterial& body, const CellPoints<Dim>& points, const CellVector<Dim>& u);

@@ -3,8 +3,6 @@
 #include "pdx/mpm/cell_blocks.hpp"
 #include "pdx/mpm/point_cells.hpp"
 
-#include <memory>
-
 namespace pdx::mpm {
 /// Bodies of material points whose grid is kept (`total`): rows are the nodes of grids of the reference, displaced by
 /// u. F = I + sum u_I (x) grad N_I(X_p) at each point, force sum V P(F) grad N_I, nothing is stored per point. A cell
@@ -46,16 +44,17 @@ public:
   std::vector<double> interpolated(std::span<const double> values) const;
   /// Reference position. @param corners of each cell at its lowest corner [m]   @return points() * Dim
   std::vector<double> positions(std::span<const Vector<Dim>> corners) const;
-  std::vector<double> deformation(std::span<const double> u) const;   ///< F, points() * Dim * Dim, row by row [-]
+  std::vector<double> deformation(std::span<const double> u) const; ///< F, points() * Dim * Dim, row by row [-]
+  /// Cauchy's, in the plane by the thickness of the reference.
   std::vector<double> cauchy_stress(std::span<const double> u) const; ///< points() * Dim * Dim, row by row [Pa]
   ///@}
 
 private:
-  struct Copy; // of a cell whose corners another rank needs
-
-  std::vector<LocalCell<Dim>> local(std::span<const PointCell<Dim>> cells, const field::RowHalo& halo) const;
-  CellVector<Dim> corner_values(const PointCell<Dim>& cell, std::span<const double> values) const;
-  template <class Visit> void for_each_point_of(Visit&& visit) const;
+  const BodyMaterial& material(Index body) const { return materials_[static_cast<std::size_t>(body)]; }
+  const CellPoints<Dim>& pattern(const LocalCell<Dim>& cell) const { return patterns_.at(cell.body, cell.points); }
+  /// Calls visit(cell, its pattern, number of its first point) for the cells of this rank.
+  template <class Visit> void for_each_own(Visit&& visit) const;
+  template <class Visit> std::vector<double> of_gradients(std::span<const double> u, Visit&& visit) const;
 
   std::vector<PointCell<Dim>> cells_, copies_; ///< given here; of other ranks, with a corner owned here
   std::vector<BodyMaterial> materials_;
@@ -64,5 +63,6 @@ private:
   std::vector<LocalCell<Dim>> local_; ///< cells_, then copies_
   std::vector<double> displacement_;  ///< of local rows at the last linearisation [m]
   Index points_ = 0, owned_rows_ = 0;
+  Processor processor_ = chosen_processor();
 };
 } // namespace pdx::mpm
