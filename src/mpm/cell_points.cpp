@@ -89,23 +89,11 @@ CellMatrix<Dim> cell_tangent(const BodyMaterial& body, const CellPoints<Dim>& po
   return k;
 }
 
-template <int Dim> CornerValues<Dim> stiffness_bound(const BodyMaterial& body, const CellPoints<Dim>& points)
-{
-  const CellMatrix<Dim> k = cell_tangent<Dim>(body, points, CellVector<Dim>::Zero());
-  CellVector<Dim> scale;
-  for (int a = 0; a < kCorners<Dim>; ++a)
-    scale.template segment<Dim>(a * Dim).setConstant(1.0 / std::sqrt(points.shares[a]));
-  const CellMatrix<Dim> scaled = scale.asDiagonal() * k * scale.asDiagonal();
-  const Eigen::VectorXd all = symmetric_eigenvalues(scaled);
-  return all[all.size() - 1] * points.shares;
-}
-
 #define PDX_INSTANTIATE(Dim)                                                                                           \
   template struct CellPoints<Dim>;                                                                                     \
   template law::Tangent<Dim> law_tangent<Dim>(const BodyMaterial&, const Tensor<Dim>&);                                \
   template double law_energy<Dim>(const BodyMaterial&, const Tensor<Dim>&);                                            \
   template Tensor<Dim> law_stress<Dim>(const BodyMaterial&, const Tensor<Dim>&);                                       \
-  template CornerValues<Dim> stiffness_bound<Dim>(const BodyMaterial&, const CellPoints<Dim>&);                        \
   template CellMatrix<Dim> cell_tangent<Dim>(const BodyMaterial&, const CellPoints<Dim>&, const CellVector<Dim>&)
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);

@@ -2,26 +2,12 @@
 
 #include "pdx/base/events.hpp"
 #include "pdx/base/exchange.hpp"
+#include "shared_faces.hpp"
 
 #include <algorithm>
 
 namespace pdx::mpm {
 namespace {
-/// The ranks that own rows: begins of their ranges.
-std::vector<PetscInt> first_rows(const field::Rows& rows)
-{
-  int ranks = 1;
-  MPI_Comm_size(rows.comm, &ranks);
-  std::vector<PetscInt> first(static_cast<std::size_t>(ranks));
-  MPI_Allgather(&rows.first, 1, MPIU_INT, first.data(), 1, MPIU_INT, rows.comm);
-  return first;
-}
-/// Ranks without rows begin where the next does.
-int owner_of(PetscInt row, std::span<const PetscInt> first)
-{
-  return static_cast<int>(std::ranges::upper_bound(first, row) - first.begin()) - 1;
-}
-
 /// Cells of other ranks with a corner owned here.
 template <int Dim>
 std::vector<PointCell<Dim>> fetch_copies(const field::Rows& rows, std::span<const PointCell<Dim>> cells)
@@ -71,6 +57,7 @@ template <int Dim> void PointTerm<Dim>::needed_rows(std::vector<PetscInt>& rows)
 
 template <int Dim> void PointTerm<Dim>::bind(const field::RowHalo& halo)
 {
+  halo_ = &halo;
   owned_rows_ = halo.rows().owned();
   const auto localised = [&](const std::vector<PointCell<Dim>>& cells) {
     std::vector<LocalCell<Dim>> local;
@@ -173,22 +160,6 @@ template <int Dim> void PointTerm<Dim>::add_mass(std::span<double> mass) const
       if (const Index row = cell.rows[a]; row < owned_rows_)
         mass[static_cast<std::size_t>(row)] +=
             material(cell.body).elastic.density * points.shares[static_cast<Eigen::Index>(a)];
-  }
-}
-
-template <int Dim> void PointTerm<Dim>::add_stiffness_bound(std::span<double> blocks) const
-{
-  std::map<const CellPoints<Dim>*, CornerValues<Dim>> bounds;
-  for (const LocalCell<Dim>& cell : local_) {
-    const CellPoints<Dim>& points = pattern(cell);
-    auto at = bounds.find(&points);
-    if (at == bounds.end()) at = bounds.emplace(&points, stiffness_bound<Dim>(material(cell.body), points)).first;
-    for (std::size_t a = 0; a < cell.rows.size(); ++a) {
-      const Index row = cell.rows[a];
-      if (row >= owned_rows_) continue;
-      double* const block = blocks.data() + static_cast<std::ptrdiff_t>(row) * Dim * Dim;
-      for (int d = 0; d < Dim; ++d) block[d * (Dim + 1)] += at->second[static_cast<Eigen::Index>(a)];
-    }
   }
 }
 

@@ -39,7 +39,7 @@ public:
     term_->bind(*halo_);
   }
 
-  mpm::PointTerm<Dim>& term() { return *term_; }
+  mpm::PointTerm<Dim>& term() const { return *term_; }
   const field::Rows& rows() const { return rows_; }
   const field::RowHalo& halo() const { return *halo_; }
   const std::vector<Vector<Dim>>& nodes() const { return nodes_; }     ///< owned [m]

@@ -43,11 +43,6 @@ template <int Dim> Tensor<Dim> point_gradient(const CellPoints<Dim>& points, std
   const auto by_corner = Eigen::Map<const Eigen::Matrix<double, Dim, kCorners<Dim>>>(u.data());
   return by_corner * points.gradients[p];
 }
-/// D_I [N/m] of the corners with u.K u <= sum_I D_I u_I.u_I for the cell at rest: its largest frequency squared over
-/// the mass of its points. No more than c_L^2 / (h^2 place (1 - place)) times the mass if a place is the least from a
-/// side of the cell that a point may have, whatever points there are: few points have little stiffness too.
-template <int Dim> CornerValues<Dim> stiffness_bound(const BodyMaterial& body, const CellPoints<Dim>& points);
-
 /// Tangent of a cell at a displacement of its corners [N/m].
 template <int Dim>
 CellMatrix<Dim> cell_tangent(const BodyMaterial& body, const CellPoints<Dim>& points, const CellVector<Dim>& u);
