@@ -60,9 +60,11 @@ template <class T> PDX_INLINE T root(T x) { return square_root<sizeof(T) / sizeo
 PDX_INLINE bool any_true(bool mask) { return mask; }
 template <class Mask> PDX_INLINE bool any_true(Mask mask)
 {
-  bool any = false;
-  for (std::size_t l = 0; l < sizeof(Mask) / sizeof(std::int64_t); ++l) any |= mask[l] != 0;
-  return any;
+  constexpr std::size_t W = sizeof(Mask) / sizeof(std::int64_t);
+  if constexpr (W == 8) mask |= __builtin_shufflevector(mask, mask, 4, 5, 6, 7, 0, 1, 2, 3);
+  if constexpr (W == 8) mask |= __builtin_shufflevector(mask, mask, 2, 3, 0, 1, 6, 7, 4, 5);
+  if constexpr (W == 4) mask |= __builtin_shufflevector(mask, mask, 2, 3, 0, 1);
+  return (mask[0] | mask[1]) != 0;
 }
 /// x - ln(1 + x), to rounding of itself for small x too; not a number for x <= -1.
 template <class T> PDX_INLINE T log_shortfall(T x)

@@ -49,6 +49,9 @@ template <class T> PDX_INLINE void cofactor(const Gradient<3, T>& a, Gradient<3,
   }
 }
 
+/// Of the square of a last step of Newton's: what is left is of the order of the square of that.
+inline constexpr double kNewton = 1e-16;
+
 /// In space y = tr U is the largest root of y^4 - 2 I y^2 - 8 J y + I^2 - 4 II = 0, I and II invariants of C = F^T F,
 /// J = det F: the quartic of best rotations (Shuster and Oh, QUEST, 1981). Newton from sqrt(3 I) >= y falls onto it.
 /// Its derivative by F is R = ((y^2 + I) F + 2 y cof F - 2 F C) / (y (y^2 - I) - 2 J). Here y = 3 + growth, C = I + S,
@@ -69,19 +72,29 @@ template <class T> PDX_INLINE void rotate(const Gradient<3, T>& h, Gradient<3, T
                    (s[0][1] * s[0][1] + s[1][2] * s[1][2] + s[2][0] * s[2][0]);
   const T c0 = first * (first - 20.0) - 24.0 * grown - 4.0 * second, c1 = 64.0 - 12.0 * first - 8.0 * grown,
           c2 = 48.0 - 2.0 * first;
-  T x = first / (3.0 + root(9.0 + 3.0 * first)) * 3.0, step;
-  int turns = 0;
-  do {
-    const T slope = ((4.0 * x + 36.0) * x + 2.0 * c2) * x + c1;
-    step = ((((x + 12.0) * x + c2) * x + c1) * x + c0) / slope;
+  const T guess = c0 * (-1.0 / 64.0), off = 1.0 - c1 * (1.0 / 64.0), bend = c2 * (-1.0 / 64.0);
+  T x = guess + (off + bend * guess) * guess; // to second order of the strain, then to third
+  x = guess + (off + (bend - 0.1875 * x) * x) * x;
+  T per_slope, step;
+  const auto fall = [&]() __attribute__((always_inline))
+  {
+    per_slope = 1.0 / (((4.0 * x + 36.0) * x + 2.0 * c2) * x + c1);
+    step = ((((x + 12.0) * x + c2) * x + c1) * x + c0) * per_slope;
     x -= step;
-  } while (++turns < 2 || (turns < 60 && any_true(step > 1e-8 * (3.0 + x))));
+  };
+  fall();
+  if (any_true((step * step <= kNewton) == 0)) { // not a number either
+    x = first / (3.0 + root(9.0 + 3.0 * first)) * 3.0;
+    int turns = 0;
+    do fall();
+    while (++turns < 60 && any_true(step * step > kNewton));
+  }
   growth = x;
   const T first_factor = 10.0 + (6.0 + x) * x + first, second_factor = 6.0 + 2.0 * x;
-  const T below = 16.0 + ((x + 9.0) * x + 24.0) * x - first * (3.0 + x) - 2.0 * grown;
   const T on_diagonal =
       (4.0 + x) * first - ((x + 8.0) * x + 16.0) * x + second_factor * trace + 2.0 * grown; // small as H is
-  const T per = -1.0 / below;
+  // y (y^2 - I) - 2 J is a quarter of the slope, here that of the last step moved along.
+  const T per = -4.0 * per_slope * (1.0 + step * per_slope * ((12.0 * x + 72.0) * x + 2.0 * c2));
   PDX_UNROLL
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
@@ -202,17 +215,27 @@ private:
         }
     }
   }
-  /// w of plane stress by Newton, from below: the function is concave. @param log of 1 + grown, in the plane
+  /// w of plane stress by Newton, where strains are large from below: the function is concave. @param log of 1 + grown,
+  /// in the plane
   template <class T> PDX_INLINE T thickening(T log, T grown) const
   {
-    const T stretch = 1.0 + grown, least = 1.0 / (stretch * stretch) - 1.0;
-    T w = log * (-2.0 * lambda / (2.0 * mu + lambda)), step;
-    w = log > 0.0 && least > w ? least : w;
-    int turns = 0;
-    do {
-      step = (mu * w + lambda * (log + 0.5 * (w - log_shortfall(w)))) / (mu + 0.5 * lambda / (1.0 + w));
+    const double part = lambda / (2.0 * mu + lambda);
+    const T from = -2.0 * part * log; // w = from + part (w - ln(1 + w))
+    T w = from + 0.5 * part * from * from, step;
+    w = from + part * (0.5 - (1.0 / 3.0) * w) * (w * w); // to third order of the strain
+    const auto rise = [&]() __attribute__((always_inline))
+    {
+      step = (w - from - part * log_shortfall(w)) / (1.0 - part * w / (1.0 + w));
       w -= step;
-    } while (++turns < 60 && any_true(step * step > 1e-18 * (1.0 + w)));
+    };
+    rise();
+    if (any_true((step * step <= kNewton) == 0)) { // not a number either
+      const T stretch = 1.0 + grown, least = 1.0 / (stretch * stretch) - 1.0;
+      w = log > 0.0 && least > from ? least : from;
+      int turns = 0;
+      do rise();
+      while (++turns < 60 && any_true(step * step > kNewton));
+    }
     return w;
   }
 };
