@@ -22,6 +22,7 @@ PetscErrorCode free_types()
 
 MPI_Datatype block_type(int components)
 {
+  if (components == 1) return MPI_DOUBLE; // PETSc adds numbers and longer blocks, not blocks of one
   if (types().empty()) PDX_CALL(PetscRegisterFinalize(free_types));
   const auto [at, made] = types().try_emplace(components, MPI_DATATYPE_NULL);
   if (made) {

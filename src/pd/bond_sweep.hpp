@@ -1,5 +1,5 @@
 #pragma once
-#include "lanes.hpp"
+#include "pdx/base/lanes.hpp"
 #include "pdx/pd/bond_kernel.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "pdx/pd/breaker.hpp"
 
-#include "lanes.hpp"
+#include "pdx/base/lanes.hpp"
 
 #include <algorithm>
 #include <bit>

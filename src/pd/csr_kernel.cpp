@@ -1,6 +1,6 @@
 #include "pdx/pd/csr_kernel.hpp"
 
-#include "lanes.hpp"
+#include "pdx/base/lanes.hpp"
 
 #include <cmath>
 #if defined(__x86_64__)

@@ -1,4 +1,4 @@
-#include "lanes.hpp"
+#include "pdx/base/lanes.hpp"
 #include "pdx/pd/strip_kernel.hpp"
 
 namespace pdx::pd {

@@ -1,6 +1,6 @@
 #include "pdx/pd/strip_kernel.hpp"
 
-#include "lanes.hpp"
+#include "pdx/base/lanes.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -12,7 +12,6 @@
 namespace {
 using namespace pdx;
 using pd::Kinematics;
-using pd::Processor;
 constexpr double kDx = 1e-3, kCritical = 5e-3;
 
 /// What is measured: sites per direction, horizon over spacing (the family of a uniform micromodulus goes half a
@@ -79,7 +78,7 @@ template <int Dim> struct Body {
 
 template <int Dim> void strips(benchmark::State& state, Size<Dim> size, Processor processor)
 {
-  if (processor > pd::this_processor()) return state.SkipWithError("not for this processor");
+  if (processor > this_processor()) return state.SkipWithError("not for this processor");
   Body<Dim> body(size);
   pd::StripPart<Dim> strip(*body.part, Kinematics::finite, processor);
   strip.watch(kCritical);
@@ -108,7 +107,7 @@ template <int Dim> void gathered_list(benchmark::State& state, Size<Dim> size)
   Body<Dim> body(size);
   body.list_neighbours();
   for ([[maybe_unused]] auto _ : state) {
-    benchmark::DoNotOptimize(pd::add_gathered_force<Dim>(pd::this_processor(), body.list(), Kinematics::finite,
+    benchmark::DoNotOptimize(pd::add_gathered_force<Dim>(this_processor(), body.list(), Kinematics::finite,
                                                          kCritical, body.u.data(), body.r.data()));
     benchmark::ClobberMemory();
   }
@@ -151,7 +150,7 @@ template <int Dim> void measure(const std::string& name, Size<Dim> size)
   const auto add = [&](const char* kernel, auto run) {
     benchmark::RegisterBenchmark((name + "/" + kernel).c_str(), run)->Unit(benchmark::kMillisecond);
   };
-  add("strips", [size](benchmark::State& s) { strips<Dim>(s, size, pd::chosen_processor()); });
+  add("strips", [size](benchmark::State& s) { strips<Dim>(s, size, chosen_processor()); });
   add("strips_avx512", [size](benchmark::State& s) { strips<Dim>(s, size, Processor::avx512); });
   add("strips_avx2", [size](benchmark::State& s) { strips<Dim>(s, size, Processor::avx2); });
   add("strips_portable", [size](benchmark::State& s) { strips<Dim>(s, size, Processor::any); });

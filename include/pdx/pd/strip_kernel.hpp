@@ -1,6 +1,6 @@
 #pragma once
+#include "pdx/base/processor.hpp"
 #include "pdx/pd/bond_kernel.hpp"
-#include "pdx/pd/processor.hpp"
 
 #include <vector>
 

@@ -74,8 +74,8 @@ template <int Dim> void expect_lattice_answers(Both<Dim>& both, Kinematics kinem
     EXPECT_NEAR(seen.energy, energy, 1e-13 * energy);
     EXPECT_EQ(seen.overstretched, !after);
     EXPECT_EQ(strip.overstretched_seen(), !after);
-    for (const pd::Processor processor : {pd::Processor::any, pd::Processor::avx2, pd::Processor::avx512}) {
-      if (processor > pd::this_processor()) continue;
+    for (const Processor processor : {Processor::any, Processor::avx2, Processor::avx512}) {
+      if (processor > this_processor()) continue;
       std::fill(gathered.begin(), gathered.end(), 0.0);
       const pd::CsrSeen also = pd::add_gathered_force<Dim>(processor, both.list->view(), kinematics, s0, both.u.data(),
                                                            gathered.data(), true);

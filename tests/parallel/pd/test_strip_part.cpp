@@ -11,7 +11,6 @@
 
 namespace pdx::test::strip_part {
 using pd::Kinematics;
-using pd::Processor;
 
 namespace {
 constexpr double kDx = 0.25;
@@ -20,7 +19,7 @@ std::vector<Processor> processors()
 {
   std::vector<Processor> list{Processor::any};
   for (const Processor p : {Processor::avx2, Processor::avx512})
-    if (p <= pd::this_processor()) list.push_back(p);
+    if (p <= this_processor()) list.push_back(p);
   return list;
 }
 
@@ -130,7 +129,7 @@ template <int Dim> void expect_static_force(const Options<Dim>& o, double size)
   ASSERT_GT(scale, 0.0);
   const double energy = sum(reference.term->energy(u));
   for (const Processor processor : processors()) {
-    SCOPED_TRACE(pd::lanes_of(processor));
+    SCOPED_TRACE(lanes_of(processor));
     Patch<Dim> patch(o);
     patch.term->step_explicitly({}, processor);
     for (int pass = 0; pass < 2; ++pass) { // the second one knows how far bonds are stretched
@@ -208,7 +207,7 @@ template <int Dim> void expect_same_broken(Options<Dim> o)
   const double width = o.count[0] * kDx, height = o.count[1] * kDx;
   const std::vector<geom::Box<2>> zones{{{0.5 * width, 0.0}, {0.6 * width, 0.2 * height}}};
   for (const Processor processor : processors()) {
-    SCOPED_TRACE(pd::lanes_of(processor));
+    SCOPED_TRACE(lanes_of(processor));
     Patch<Dim> reference(o), patch(o);
     for (Patch<Dim>* p : {&reference, &patch}) p->term->protect(zones);
     const pd::BreakRule rule{o.kinematics, 0.011};

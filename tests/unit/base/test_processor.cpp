@@ -1,12 +1,11 @@
 #include "pdx/base/error.hpp"
-#include "pdx/pd/processor.hpp"
+#include "pdx/base/processor.hpp"
 
 #include <cstdlib>
 #include <gtest/gtest.h>
 
 namespace {
 using namespace pdx;
-using pd::Processor;
 
 /// Sets PDX_SIMD for as long as this object lives.
 struct Wish {
@@ -18,19 +17,19 @@ struct Wish {
 
 TEST(Processor, TheEnvironmentChooses)
 {
-  EXPECT_EQ(pd::chosen_processor(), pd::this_processor());
+  EXPECT_EQ(chosen_processor(), this_processor());
   const Wish wish("portable");
-  EXPECT_EQ(pd::chosen_processor(), Processor::any);
-  EXPECT_EQ(pd::lanes_of(Processor::any), 2);
-  EXPECT_EQ(pd::lanes_of(Processor::avx512), 8);
+  EXPECT_EQ(chosen_processor(), Processor::any);
+  EXPECT_EQ(lanes_of(Processor::any), 2);
+  EXPECT_EQ(lanes_of(Processor::avx512), 8);
 }
 
 TEST(Processor, RefusesWhatItDoesNotKnowOrHave)
 {
   const Wish wish("neon");
-  EXPECT_THROW(pd::chosen_processor(), UserError);
-  if (pd::this_processor() == Processor::avx512) return;
+  EXPECT_THROW(chosen_processor(), UserError);
+  if (this_processor() == Processor::avx512) return;
   const Wish wide("avx512");
-  EXPECT_THROW(pd::chosen_processor(), UserError);
+  EXPECT_THROW(chosen_processor(), UserError);
 }
 } // namespace

@@ -1,4 +1,4 @@
-#include "pdx/pd/processor.hpp"
+#include "pdx/base/processor.hpp"
 
 #include "pdx/base/error.hpp"
 
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <string>
 
-namespace pdx::pd {
+namespace pdx {
 namespace {
 Processor find_processor()
 {
@@ -46,4 +46,4 @@ Processor chosen_processor()
     throw UserError(fmt::format("PDX_SIMD is {}, which this machine's processor does not have", wish));
   return processor;
 }
-} // namespace pdx::pd
+} // namespace pdx

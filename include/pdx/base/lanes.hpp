@@ -1,9 +1,12 @@
 #pragma once
-#include "pdx/pd/processor.hpp"
+#include "pdx/base/processor.hpp"
 
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <type_traits>
 
 /// Bodies of kernels: compiled anew into each version of the function that calls them.
 #define PDX_INLINE inline __attribute__((always_inline))
@@ -14,7 +17,7 @@
 #define PDX_UNROLL _Pragma("GCC unroll 16")
 #endif
 
-namespace pdx::pd {
+namespace pdx {
 /// W neighbouring particles at once. Wider than the processor's registers is slow: the compiler goes through memory.
 template <int W> struct Simd {
   typedef double Numbers
@@ -49,6 +52,43 @@ template <int W> PDX_INLINE Lanes<W> square_root(Lanes<W> x)
   for (int step = 0; step < 4; ++step) root += root * (0.5 - half * root * root);
   return x * root;
 }
+
+/// Functions of a number T that is one double or lanes of them, for laws that are written once for both.
+///@{
+PDX_INLINE double root(double x) { return std::sqrt(x); }
+template <class T> PDX_INLINE T root(T x) { return square_root<sizeof(T) / sizeof(double)>(x); }
+PDX_INLINE bool any_true(bool mask) { return mask; }
+template <class Mask> PDX_INLINE bool any_true(Mask mask)
+{
+  constexpr std::size_t W = sizeof(Mask) / sizeof(std::int64_t);
+  if constexpr (W == 8) mask |= __builtin_shufflevector(mask, mask, 4, 5, 6, 7, 0, 1, 2, 3);
+  if constexpr (W == 8) mask |= __builtin_shufflevector(mask, mask, 2, 3, 0, 1, 6, 7, 4, 5);
+  if constexpr (W == 4) mask |= __builtin_shufflevector(mask, mask, 2, 3, 0, 1);
+  return (mask[0] | mask[1]) != 0;
+}
+/// x - ln(1 + x), to rounding of itself for small x too; not a number for x <= -1.
+template <class T> PDX_INLINE T log_shortfall(T x)
+{
+  if constexpr (std::is_same_v<T, double>) {
+    const typename Simd<2>::Numbers both = {x, x};
+    return log_shortfall(both)[0];
+  } else {
+    typedef typename Simd<sizeof(T) / sizeof(double)>::Mask Integers;
+    const T one_more = 1.0 + x;
+    const Integers bits = std::bit_cast<Integers>(one_more);
+    const Integers power = (bits - std::int64_t{0x3fe6a09e667f3bcd}) >> 52; // 1 + x = 2^power m, m^2 in [1/2, 2)
+    const T rest = power == 0 ? x : std::bit_cast<T>(bits - (power << 52)) - 1.0;
+    const T z = rest / (2.0 + rest), square = z * z; // ln m = 2 artanh z, rest - 2 z = rest z
+    T series = square * (1.0 / 21.0) + 1.0 / 19.0;
+    PDX_UNROLL
+    for (int k = 17; k >= 3; k -= 2) series = series * square + 1.0 / k;
+    const T small = rest * z - 2.0 * z * square * series;
+    const T large = x - (__builtin_convertvector(power, T) * 0.69314718055994530942 + rest - small);
+    return one_more > 0.0 ? (power == 0 ? small : large) : T{} + std::numeric_limits<double>::quiet_NaN();
+  }
+}
+///@}
+
 /// Adds component d of particle l to rows[l * N + d] for the first `count` particles.
 template <int W, int N> PDX_INLINE void add_rows(const Lanes<W> (&sum)[N], std::ptrdiff_t count, double* rows)
 {
@@ -86,4 +126,4 @@ template <class Body> void run_on(Processor, const Body& body) { body.template r
 #endif
 /// The same in the widest version for this machine.
 template <class Body> void run_here(const Body& body) { run_on(this_processor(), body); }
-} // namespace pdx::pd
+} // namespace pdx

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace pdx::pd {
+namespace pdx {
 /// The versions that kernels of lanes are built in: 2, 4 (AVX2) and 8 lanes (AVX-512) of doubles.
 enum class Processor { any, avx2, avx512 };
 
@@ -13,4 +13,4 @@ constexpr int lanes_of(Processor processor)
 {
   return processor == Processor::avx512 ? 8 : processor == Processor::avx2 ? 4 : 2;
 }
-} // namespace pdx::pd
+} // namespace pdx
