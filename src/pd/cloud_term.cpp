@@ -3,9 +3,8 @@
 #include "pdx/base/error.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/geom/cell_grid.hpp"
 #include "pdx/pd/site_directory.hpp"
-
-#include "cell_grid.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -27,7 +26,7 @@ template <int Dim> std::vector<Index> others_near(const Cloud<Dim>& cloud, std::
     box.upper = box.upper.cwiseMax(points.back()).eval();
     owned[static_cast<std::size_t>(number)] = 1;
   }
-  const CellGrid<Dim> grid(points, reach);
+  const geom::CellGrid<Dim> grid(points, reach);
   std::vector<Index> near;
   for (std::size_t number = 0; number < owned.size(); ++number) {
     const Vector<Dim>& x = cloud.points[number];

@@ -1,8 +1,7 @@
 #include "pdx/pd/csr_part.hpp"
 
+#include "pdx/geom/cell_grid.hpp"
 #include "pdx/law/bond_force.hpp"
-
-#include "cell_grid.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -56,7 +55,7 @@ CsrPart<Dim>::CsrPart(const Cloud<Dim>& cloud, Index owned, const CloudOptions& 
   for (const Vector<Dim>& x : cloud.points) points_.insert(points_.end(), x.begin(), x.end());
   if (cloud.points.empty()) return;
   const double largest = *std::max_element(cloud.volumes.begin(), cloud.volumes.end());
-  const CellGrid<Dim> grid(cloud.points, bond_reach<Dim>(options, largest));
+  const geom::CellGrid<Dim> grid(cloud.points, bond_reach<Dim>(options, largest));
   std::vector<Index> near;
   for (Index i = 0; i < owned; ++i) {
     grid.near(cloud.points[static_cast<std::size_t>(i)], near);

@@ -108,7 +108,11 @@ void TimeDriver::after_step()
   after_evaluations();
   moving_.book();
   losses_.clear();
-  for (const auto& change : moving_.system.after_step) change->apply(moving_.u, losses_);
+  const double length = time() - asked(ts_.get(), TSGetPrevTime);
+  for (const auto& change : moving_.system.after_step) {
+    change->stepped(length);
+    change->apply(moving_.u, losses_);
+  }
   if (!losses_.empty()) let_go(losses_);
   moving_.note();
   if (step() % kCheckInterval == 0 || step() >= expected_steps()) {

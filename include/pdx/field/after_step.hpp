@@ -14,6 +14,8 @@ public:
   /// @param losses what the change took from the internal forces at u is appended: the step that ended felt them, the
   ///        next one does not, and neither energy nor momentum goes astray
   virtual void apply(std::span<const double> u, ForceLosses& losses) = 0;
+  /// Called before `apply`. @param length of the step that ended [s]
+  virtual void stepped(double length) { (void)length; }
   /// Energy that changes have taken out of the Terms since the start, this rank's part [J].
   virtual double dissipated() const { return 0.0; }
   /// Remembers the state; `restore` goes back to the state remembered last, as often as asked. The state at

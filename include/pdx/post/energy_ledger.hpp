@@ -8,8 +8,10 @@ namespace pdx::post {
 struct Energies {
   double elements = 0.0, bonds = 0.0, interface = 0.0; ///< elastic: FE, lattice bonds, carried bonds
   double dissipated = 0.0;                             ///< by broken bonds so far
+  double contact = 0.0;                                ///< between bodies that touch; elastic too
+  double friction = 0.0;                               ///< taken by it so far
 
-  double elastic() const { return elements + bonds + interface; }
+  double elastic() const { return elements + bonds + interface + contact; }
 };
 
 /// The books after a step. [J]

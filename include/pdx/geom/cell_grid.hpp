@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace pdx::pd {
+namespace pdx::geom {
 /// Points sorted into cubes, to find those near a point among 3^Dim cubes. Only cubes with points are kept: how far
 /// apart points are costs nothing.
 template <int Dim> class CellGrid {
@@ -57,4 +57,4 @@ private:
   double side_;
   std::vector<Entry> order_;
 };
-} // namespace pdx::pd
+} // namespace pdx::geom
