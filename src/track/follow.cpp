@@ -3,10 +3,12 @@
 #include "crack_ahead.hpp"
 #include "parted_cell.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <set>
 
 namespace pdx::track {
@@ -15,6 +17,9 @@ constexpr double kSnap = 1e-3; // of an edge: what is nearer to a corner or a li
 constexpr double kAside =
     0.5; // spacings: a path that misses a cell by passing beyond a corner this near is on the corner
 constexpr double kSteep = 0.5;  // cosine of a crack's angle to an axis, up to which it runs across it
+constexpr double kKinked = 1.5; // horizons: what goes no farther straight on may have turned where it is known to end
+constexpr double kTurns[] = {40.0, -40.0, 80.0, -80.0}; // degrees
+constexpr double kTorn = 0.6;   // share of bonds broken along the first horizon of a crack that turned
 constexpr double kAlong = 0.25; // slope up to which a line that misses a cell beside it is taken to run along its side
 
 /// Cells in spacings, found by place.
@@ -129,11 +134,15 @@ public:
       followed.crossings.push_back({cell, end, metres(out, cell)});
       end = followed.crossings.back().out;
     }
-    const Line tip = tip_ahead(graph_, now_);
-    followed.tip = tip.at == now_.at ? end : in_metres(graph_.lattice(), tip.at);
-    followed.direction = tip.along;
+    const Ahead ahead = tip_ahead(graph_, now_);
+    hangs_together_ = !path_.empty() || ahead.share > kTorn;
+    for (std::size_t k = 1; k < ahead.way.size(); ++k)
+      followed.beyond.push_back(in_metres(graph_.lattice(), ahead.way[k]));
+    followed.tip = followed.beyond.empty() ? end : followed.beyond.back();
+    followed.direction = ahead.tip.along;
     return followed;
   }
+  bool hangs_together() const { return hangs_together_; } ///< is what was followed broken from the start on?
 
 private:
   using Tried = std::set<std::size_t>;
@@ -273,13 +282,29 @@ private:
   Line start_, now_;
   std::vector<Left> path_;
   Tried crossed_; // cells that are done with
+  bool hangs_together_ = true;
 };
 } // namespace
 
 Followed follow(const BondGraph& graph, std::span<const geom::Box<2>> cells, const Vector<2>& from,
                 const Vector<2>& direction)
 {
-  return Follower(graph, cells, {in_spacings(graph.lattice(), from), direction.normalized()}).all();
+  const auto follower = [&](double degrees) {
+    const Eigen::Rotation2D<double> turn(degrees * std::numbers::pi / 180.0);
+    return Follower(graph, cells, {in_spacings(graph.lattice(), from), turn * direction.normalized()});
+  };
+  Followed best = follower(0.0).all();
+  const auto way = [&](const Followed& found) { return (found.tip - from).norm(); };
+  if (!best.crossings.empty() || way(best) > kKinked * graph.horizon()) return best;
+  double least = std::max(kKinked * graph.horizon(), way(best) + graph.horizon());
+  for (const double degrees : kTurns) {
+    Follower turned = follower(degrees);
+    Followed found = turned.all();
+    if (way(found) < least || !turned.hangs_together()) continue;
+    least = way(found);
+    best = std::move(found);
+  }
+  return best;
 }
 
 std::optional<FoundCrack> follow_both_ways(const BondGraph& graph, std::span<const geom::Box<2>> cells,
