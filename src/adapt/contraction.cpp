@@ -11,7 +11,7 @@ public:
   Contraction(const SceneView& scene, std::span<const Retreat> reaches)
       : scene_(scene), map_(map_patches(scene)), reaches_(reaches)
   {
-    for (std::size_t p = 0; p < scene.around.size(); ++p) patches_.emplace_back(scene, map_, p);
+    for (std::size_t p = 0; p < scene.around.size(); ++p) patches_.emplace_back(scene, map_, p, reaches[p].tracker);
     lines_ = given();
     std::set<Index> taken; // natural numbers of cells
     for (PatchCracks& patch : patches_)

@@ -11,7 +11,7 @@ StaticCracks::StaticCracks(const RunFiles& files)
 {
   const crack::CrackSet& cracks = files.scene.d->cracks;
   if (!now_.ends.empty()) given_length_ = length_inside(cracks, now_.ends[0].given.crack, files.scene.d->body);
-  notes_.marks.resize(now_.ends.size());
+  marks_.resize(now_.ends.size());
 }
 
 void StaticCracks::add_columns(std::vector<io::Column>& columns) const
@@ -40,22 +40,15 @@ void StaticCracks::look(const Discretisation& d, double load)
   if (std::exchange(broken_, broken) == broken) return;
   now_ = crack_state(d, now_);
   for (std::size_t k = 0; k < now_.ends.size(); ++k) {
-    std::vector<Mark>& marks = notes_.marks[k];
+    std::vector<Mark>& marks = marks_[k];
     if (now_.ends[k].grown > (marks.empty() ? 0.0 : marks.back().grown)) marks.push_back({load, now_.ends[k].grown});
   }
-}
-
-void StaticCracks::take_notes(Notes notes)
-{
-  notes_ = std::move(notes);
-  for (std::size_t k = 0; k < now_.ends.size(); ++k)
-    if (!notes_.marks[k].empty()) now_.ends[k].grown = notes_.marks[k].back().grown;
 }
 
 /// The load at which a tip had come as far.
 double StaticCracks::load_at(std::size_t end, double distance) const
 {
-  const std::vector<Mark>& marks = notes_.marks[end];
+  const std::vector<Mark>& marks = marks_[end];
   const auto found =
       std::ranges::find_if(marks, [distance](const Mark& mark) { return mark.grown >= distance * (1.0 - 1e-9); });
   return found == marks.end() ? marks.back().load : found->load;

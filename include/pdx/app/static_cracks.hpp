@@ -19,23 +19,16 @@ public:
   const CrackState& now() const { return now_; }
   void write_paths() const; ///< if bonds can break. Collective.
 
-  /// All that goes on from here.
-  struct Mark {
-    double load = 0.0, grown = 0.0; ///< how far a tip had come [-], [m]
-  };
-  struct Notes {
-    std::vector<std::vector<Mark>> marks; ///< of each end, rising in both
-  };
-  const Notes& notes() const { return notes_; }
-  void take_notes(Notes notes); ///< before the first look
-
 private:
+  struct Mark {
+    double load = 0.0, grown = 0.0; // how far a tip had come [-], [m]
+  };
   double load_at(std::size_t end, double distance) const;
 
   const RunFiles& files_;
   CrackState now_;
-  double given_length_ = 0.0; // of the first tip's crack [m]
-  std::int64_t broken_ = -1;  // at the last look
-  Notes notes_;
+  double given_length_ = 0.0;            // of the first tip's crack [m]
+  std::int64_t broken_ = -1;             // at the last look
+  std::vector<std::vector<Mark>> marks_; // of each end, rising in both
 };
 } // namespace pdx::app

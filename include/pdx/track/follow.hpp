@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/track/bond_graph.hpp"
+#include "pdx/track/tracker.hpp"
 
 #include <optional>
 #include <span>
@@ -34,7 +35,7 @@ struct Followed {
 /// or on the line of the mesh or corner that it is within 1e-3 of an edge of
 /// @param direction unit vector, straight on; the crack may turn here, by up to a right angle
 Followed follow(const BondGraph& graph, std::span<const geom::Box<2>> cells, const Vector<2>& from,
-                const Vector<2>& direction);
+                const Vector<2>& direction, Tracker tracker = Tracker::sides);
 
 /// A crack of which no end is known.
 struct FoundCrack {
@@ -44,5 +45,5 @@ struct FoundCrack {
 /// The crack that parts a cell, both ways from there; nothing if none does. Its sense is that of x, or of y if it runs
 /// nearly across. A crack that branches off another begins so, behind the fork.
 std::optional<FoundCrack> follow_both_ways(const BondGraph& graph, std::span<const geom::Box<2>> cells,
-                                           std::size_t cell);
+                                           std::size_t cell, Tracker tracker = Tracker::sides);
 } // namespace pdx::track
