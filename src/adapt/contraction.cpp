@@ -128,7 +128,7 @@ private:
       const auto far = [&](const Vector<2>& tip) { return distance(cell, tip) > (1.0 + kSame) * reach; };
       if (!std::ranges::all_of(tips, far)) continue;
       far_.insert(patch.numbers()[c]);
-      if (patch.is_parted_by(known_, lines_, cell)) chosen_.insert(patch.numbers()[c]);
+      if (!patch.has_way_ahead(cell) && patch.is_parted_by(known_, lines_, cell)) chosen_.insert(patch.numbers()[c]);
     }
   }
 

@@ -131,6 +131,14 @@ public:
     return tips;
   }
 
+  /// Does a crack come by that was followed no farther than by broken bonds? Some that hold may make one body of it.
+  bool has_way_ahead(const geom::Box<2>& cell) const
+  {
+    return std::ranges::any_of(trails_, [&](const Trail& trail) {
+      return std::ranges::any_of(trail.found.beyond, [&](const Vector<2>& x) { return distance(cell, x) < horizon(); });
+    });
+  }
+
   /// The cell on the other side of a crack that runs along a side of the cell that it counts to.
   std::optional<std::size_t> across(const track::Crossing& crossing) const
   {
