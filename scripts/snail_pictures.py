@@ -63,7 +63,8 @@ class Run:
         """Where each tip has been until now."""
         if self.path_columns is None:
             return []
-        tip, time, x, y = (self.path_columns[name] for name in ("tip", "time", "x", "y"))
+        when = "time" if "time" in self.path_columns else "load"
+        tip, time, x, y = (self.path_columns[name] for name in ("tip", when, "x", "y"))
         seen = time <= now * (1 + 1e-9)
         return [self.metre * np.column_stack([x, y])[seen & (tip == t)] for t in np.unique(tip)]
 

@@ -11,7 +11,7 @@ public:
   Contraction(const SceneView& scene, std::span<const Retreat> reaches)
       : scene_(scene), map_(map_patches(scene)), reaches_(reaches)
   {
-    for (std::size_t p = 0; p < scene.around.size(); ++p) patches_.emplace_back(scene, map_, p);
+    for (std::size_t p = 0; p < scene.around.size(); ++p) patches_.emplace_back(scene, map_, p, reaches[p].tracker);
     lines_ = given();
     std::set<Index> taken; // natural numbers of cells
     for (PatchCracks& patch : patches_)
@@ -128,7 +128,7 @@ private:
       const auto far = [&](const Vector<2>& tip) { return distance(cell, tip) > (1.0 + kSame) * reach; };
       if (!std::ranges::all_of(tips, far)) continue;
       far_.insert(patch.numbers()[c]);
-      if (patch.is_parted_by(known_, lines_, cell)) chosen_.insert(patch.numbers()[c]);
+      if (!patch.has_way_ahead(cell) && patch.is_parted_by(known_, lines_, cell)) chosen_.insert(patch.numbers()[c]);
     }
   }
 

@@ -86,8 +86,7 @@ FreshRows fill(const SceneView& scene, const LayoutChange& change, std::span<con
 {
   FreshRows fresh = change.cover.empty() ? FreshRows{{}, std::vector<std::vector<double>>(fields.size())}
                                          : fill_particles(scene, change.cover, fields);
-  if (change.uncover.empty()) return fresh;
-  fresh.append(fill_nodes(scene, change, fields));
+  if (!change.uncover.empty()) fresh.append(fill_nodes(scene, change, fields));
   fresh.append(fresh_sets(scene, change, fields.size()));
   return fresh;
 }

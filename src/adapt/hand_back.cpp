@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 namespace pdx::adapt {
 namespace {
@@ -134,8 +135,11 @@ FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::si
   const mesh::Mesh& mesh = scene.mesh;
   const int now = scene.sets ? scene.sets->cracks().size() : 0;
   const int cracks = change.cracks ? static_cast<int>(change.cracks->size()) : now;
+  std::set<Index> beside; // vertices of cut elements: what changes around them may part their support
+  for (const Index c : mesh.cells(mesh::Use::cut))
+    for (const Index v : mesh.cell(c)) beside.insert(v);
   for (Index v = 0; v < mesh.owned_vertices(); ++v) {
-    if (!geom::hold(change.uncover, mesh.point(v))) continue;
+    if (!beside.contains(v) && !geom::hold(change.uncover, mesh.point(v))) continue;
     const std::span<const xfem::EnrichedSet> known =
         scene.sets ? scene.sets->of(v) : std::span<const xfem::EnrichedSet>();
     for (int crack = 0; crack < cracks; ++crack)

@@ -30,8 +30,8 @@ struct Trail {
 /// One patch with its cracks.
 class PatchCracks {
 public:
-  PatchCracks(const SceneView& scene, const PatchMap& map, std::size_t patch)
-      : shape_(scene.around[patch].shape()),
+  PatchCracks(const SceneView& scene, const PatchMap& map, std::size_t patch, track::Tracker tracker)
+      : tracker_(tracker), shape_(scene.around[patch].shape()),
         graph_(shape_.lattice, scene.bonds.parts()[patch]->stencil(),
                [&shape = shape_](const Site<2>& site) { return shape.active.has(site); })
   {
@@ -48,7 +48,7 @@ public:
     for (const crack::Tip& tip : scene.sets->cracks().tips())
       if (shape_.holds(tip.at, kFits * shape_.lattice.dx))
         trails_.push_back({static_cast<std::size_t>(tip.crack), tip.last,
-                           track::follow(graph_, cells_, tip.at, tip.direction), std::nullopt});
+                           track::follow(graph_, cells_, tip.at, tip.direction, tracker_), std::nullopt});
   }
 
   /// A crack that begins or branches in this patch, and is none of the paths that are known: from the damage farthest
@@ -70,7 +70,7 @@ public:
     std::ranges::sort(candidates);
     for (const auto& [less, c] : candidates) {
       tried_.insert(c);
-      auto found = track::follow_both_ways(graph_, cells_, c);
+      auto found = track::follow_both_ways(graph_, cells_, c, tracker_);
       if (!found) continue;
       Trail trail{0, true, std::move(found->ahead), found->tip_behind};
       const auto here = std::ranges::find(trail.found.crossings, c, &track::Crossing::cell);
@@ -129,6 +129,14 @@ public:
     }
     for (const auto& [x, away] : unclaimed(paths)) tips.push_back(x);
     return tips;
+  }
+
+  /// Does a crack come by that was followed no farther than by broken bonds? Some that hold may make one body of it.
+  bool has_way_ahead(const geom::Box<2>& cell) const
+  {
+    return std::ranges::any_of(trails_, [&](const Trail& trail) {
+      return std::ranges::any_of(trail.found.beyond, [&](const Vector<2>& x) { return distance(cell, x) < horizon(); });
+    });
   }
 
   /// The cell on the other side of a crack that runs along a side of the cell that it counts to.
@@ -213,6 +221,7 @@ private:
     return side;
   }
 
+  track::Tracker tracker_;
   const couple::PatchShape& shape_;
   track::BondGraph graph_;
   std::vector<geom::Box<2>> cells_;

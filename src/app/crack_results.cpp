@@ -1,11 +1,9 @@
 #include "pdx/app/crack_results.hpp"
 
-#include "pdx/geom/clip.hpp"
 #include "pdx/law/fracture.hpp"
 #include "pdx/post/domain_j.hpp"
 #include "pdx/post/nonlocal_j.hpp"
 #include "pdx/solve/static_driver.hpp"
-#include "pdx/track/crack_growth.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,11 +28,11 @@ struct Centre {
 
 std::vector<Centre> centres(const Solved& s, const CrackState& state)
 {
-  const std::span<const crack::Tip> tips = s.d.cracks.tips();
   std::vector<Centre> list;
-  for (std::size_t t = 0; t < tips.size(); ++t) {
-    list.push_back({tips[t], t});
-    list.back().tip.at += state.farthest_broken[t] * tips[t].direction;
+  for (std::size_t t = 0; t < state.ends.size(); ++t) {
+    list.push_back({state.ends[t].given, t});
+    list.back().tip.at = state.ends[t].at_farthest();
+    list.back().tip.direction = state.ends[t].direction;
   }
   const auto& wanted = s.options.post.j_centre;
   if (!wanted) return list;
@@ -147,24 +145,12 @@ double potential(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan&
 }
 } // namespace
 
-double length_inside(const crack::CrackSet& cracks, int crack, const geom::Box<2>& body)
-{
-  double length = 0.0;
-  const crack::Polyline& p = cracks.points(crack);
-  for (std::size_t k = 0; k + 1 < p.size(); ++k)
-    if (const auto part = geom::clip<2>(p[k], p[k + 1], body))
-      length += (part->leave - part->enter) * (p[k + 1] - p[k]).norm();
-  return length;
-}
-
 void require_contours(const Solved& s)
 {
   if (s.options.post.j_contours.empty()) return;
-  const CrackState none{std::vector<double>(s.d.cracks.tips().size(), 0.0),
-                        std::vector<double>(s.d.cracks.tips().size(), 0.0), 0.0};
   const std::vector<double> nothing(static_cast<std::size_t>(s.d.system.rows.owned()), 0.0);
   bool any = false;
-  for (const Centre& centre : centres(s, none)) {
+  for (const Centre& centre : centres(s, crack_state(s.d.cracks, s.d.body))) {
     const auto patch = patch_at(s.plan, centre.tip.at);
     if (!patch) continue;
     any = true;
@@ -185,22 +171,6 @@ void require_contours(const Solved& s)
   if (!any)
     throw UserError("-post_j_contours lie in a patch, but no crack's tip (and no -post_j_centre) does: give "
                     "-post_j_domain for elements");
-}
-
-CrackState crack_state(const Discretisation& d)
-{
-  CrackState state;
-  const std::size_t tips = d.cracks.tips().size();
-  state.first_intact.assign(tips, 0.0);
-  state.farthest_broken.assign(tips, 0.0);
-  for (int k = 0; k < d.cracks.size(); ++k) state.length += length_inside(d.cracks, k, d.body);
-  if (!d.bonds) return state;
-  for (const track::TipGrowth& growth : track::crack_growth(d.system.rows.comm, d.bonds->parts(), d.cracks, &d.seams)) {
-    state.first_intact[growth.tip] = growth.first_intact;
-    state.farthest_broken[growth.tip] = growth.farthest_broken;
-    state.length += growth.farthest_broken;
-  }
-  return state;
 }
 
 std::vector<double> energy_release(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan,
@@ -233,18 +203,23 @@ std::vector<double> energy_release(mesh::Mesh& mesh, const SceneOptions& options
   return rates;
 }
 
-void add_crack_results(const Solved& s, std::span<const double> release, nlohmann::json& results)
+void add_crack_results(const Solved& s, const CrackState& state, std::span<const double> release,
+                       nlohmann::json& results)
 {
-  const CrackState state = crack_state(s.d);
   nlohmann::json tips = nlohmann::json::array();
-  const std::span<const crack::Tip> given = s.d.cracks.tips();
-  for (std::size_t t = 0; t < given.size(); ++t) {
-    const geom::Frame& frame = s.options.frame;
-    const Vector<2> at = frame.given<2>(given[t].at + state.farthest_broken[t] * given[t].direction),
-                    start = frame.given<2>(given[t].at);
-    results["crack_tips"].push_back({at[0], at[1]});
-    nlohmann::json tip{{"start", {start[0], start[1]}}, {"farthest_broken", state.farthest_broken[t]}};
-    if (std::isfinite(state.first_intact[t])) tip["first_intact"] = state.first_intact[t];
+  const auto place = [&s](const Vector<2>& x) {
+    const Vector<2> given = s.options.frame.given<2>(x);
+    return nlohmann::json{given[0], given[1]};
+  };
+  for (std::size_t t = 0; t < state.ends.size(); ++t) {
+    const CrackEnd& end = state.ends[t];
+    results["crack_tips"].push_back(place(end.tip()));
+    nlohmann::json tip{{"start", place(end.given.at)},
+                       {"at", place(end.tip())},
+                       {"grown", end.grown},
+                       {"farthest_broken", end.farthest_broken}};
+    if (std::isfinite(end.first_intact)) tip["first_intact"] = end.first_intact;
+    if (end.grown > 0.0) tip["angle_degrees"] = end.angle_degrees();
     if (t < release.size()) tip["energy_release_rate"] = release[t];
     tips.push_back(tip);
   }

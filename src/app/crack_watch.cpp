@@ -1,6 +1,6 @@
 #include "pdx/app/crack_watch.hpp"
 
-#include "pdx/app/crack_results.hpp"
+#include "pdx/app/crack_state.hpp"
 #include "pdx/app/layout.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/law/waves.hpp"
@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 namespace pdx::app {
 namespace {
@@ -61,14 +60,6 @@ std::vector<track::TreeGround> grounds_of(const RunFiles& files)
 {
   if (files.scene.solid) return {middle_of(*files.scene.solid->bonds->parts()[0])};
   return grounds_of(Layout::given(files.options).in(files.options));
-}
-
-/// From the crack's direction to the way from its old tip to the new one; left is positive.
-double angle_degrees(const crack::Tip& from, const Vector<2>& to)
-{
-  const Vector<2> way = to - from.at;
-  const double across = from.direction.x() * way.y() - from.direction.y() * way.x();
-  return std::atan2(across, from.direction.dot(way)) * 180.0 / std::numbers::pi;
 }
 
 nlohmann::ordered_json place(const geom::Frame& frame, const Vector<2>& x)

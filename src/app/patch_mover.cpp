@@ -44,7 +44,7 @@ void PatchMover::judge(const SceneOptions& s)
 {
   if (s.layout.adapt == Adapt::none) refuse_lengths(s);
   if (s.layout.adapt != Adapt::relocate)
-    for (const char* name : {"-adapt_contraction_length", "-adapt_expansions"})
+    for (const char* name : {"-adapt_contraction_length", "-adapt_expansions", "-adapt_tracker"})
       if (Options("layout").given(name))
         throw UserError(fmt::format("{} steers what patches hand back: give -adapt relocate, or drop it", name));
   if (Options("layout").given("-adapt_border") && (s.layout.patches_move() || !s.pd.bordered() || !s.fracture.active()))
@@ -143,8 +143,10 @@ adapt::LayoutChange PatchMover::contract(const adapt::SceneView& scene, const Pa
   std::vector<adapt::Retreat> all;
   const std::vector<adapt::Reaches> ahead = reaches(scene, plan);
   for (std::size_t p = 0; p < scene.around.size(); ++p)
-    all.push_back({ahead[p].critical, length(options_.layout.contraction_length, kContraction[options_.time.dynamic()],
-                                             plan.stencils[p].horizon, scene.around[p].shortest_edge())});
+    all.push_back({ahead[p].critical,
+                   length(options_.layout.contraction_length, kContraction[options_.time.dynamic()],
+                          plan.stencils[p].horizon, scene.around[p].shortest_edge()),
+                   options_.layout.tracker});
   return adapt::contraction(scene, all, may);
 }
 } // namespace pdx::app

@@ -25,6 +25,7 @@ void Recorder::built(const Standing& scene)
 {
   files_.built(scene);
   d_ = scene.d;
+  cracks_ = std::make_unique<StaticCracks>(files_);
   if (files_.grows() || options_.output.history) ledger_ = std::make_unique<post::EnergyLedger>(d_->system);
   if (options_.output.history) open_history();
 }
@@ -46,13 +47,8 @@ void Recorder::open_history()
       {"step", "-"}, {"load", "-"}, {"energy_elements", "J"}, {"energy_bonds", "J"}, {"energy_interface", "J"},
       {"work", "J"}};
   if (files_.grows()) {
-    columns.insert(columns.end(), {{"energy_fracture", "J"},
-                                   {"passes", "-"},
-                                   {"bonds_broken", "-"},
-                                   {"crack_length", "m"},
-                                   {"crack_first_intact", "m"},
-                                   {"crack_farthest_broken", "m"}});
-    files_.add_tip_columns(columns);
+    columns.insert(columns.end(), {{"energy_fracture", "J"}, {"passes", "-"}, {"bonds_broken", "-"}});
+    cracks_->add_columns(columns);
   }
   files_.add_layout_columns(columns);
   files_.add_reaction_columns(columns);
@@ -87,18 +83,9 @@ void Recorder::write_history(const solve::Step& step)
                           balance.energies.elements,        balance.energies.bonds,
                           balance.energies.interface,       balance.work};
   if (files_.grows()) {
-    const CrackState crack = crack_state(*d_);
-    const bool tip = !crack.first_intact.empty(); // the columns are those of the first tip
-    const double first = tip ? length_inside(d_->cracks, d_->cracks.tips()[0].crack, d_->body) : 0.0;
-    row.insert(row.end(),
-               {balance.energies.dissipated, static_cast<double>(step.passes),
-                static_cast<double>(d_->fracture->broken()), crack.length, tip ? first + crack.first_intact[0] : first,
-                tip ? first + crack.farthest_broken[0] : first});
-    for (std::size_t t = 0; t < crack.farthest_broken.size(); ++t) {
-      const crack::Tip& given = d_->cracks.tips()[t];
-      const Vector<2> at = options_.frame.given<2>(given.at + crack.farthest_broken[t] * given.direction);
-      row.insert(row.end(), {at[0], at[1]});
-    }
+    row.insert(row.end(), {balance.energies.dissipated, static_cast<double>(step.passes),
+                           static_cast<double>(d_->fracture->broken())});
+    cracks_->add_row(row);
   }
   files_.add_layout_row(row, converted_);
   row.insert(row.end(), reactions_.now.begin(), reactions_.now.end());
@@ -121,7 +108,10 @@ void Recorder::accept(const solve::Step& step, Vec u, const solve::StaticDriver&
     error = post::compare_displacement(*files_.scene.mesh, d_->vertex_displacement(u), prior.reference);
   if (last && !ledger_) ledger_ = std::make_unique<post::EnergyLedger>(d_->system);
   if (ledger_) take_stock(step, u, driver);
-  if (files_.history && (last || step.number % options_.output.history_interval == 0)) write_history(step);
+  const bool looks = last || step.number % options_.output.history_interval == 0;
+  load_ = step.load;
+  if (looks) cracks_->look(*d_, load_);
+  if (files_.history && looks) write_history(step);
   const bool due = last || step.number % options_.output.interval == 0;
   fields_due_ = due ? std::nullopt : std::optional(step);
   if (files_.fields && due) write_fields(step, u, error ? &*error : nullptr);
@@ -167,11 +157,14 @@ void Recorder::write_results(Vec u, const Prior& prior, const post::Displacement
   PetscReal largest = 0.0;
   PDX_CALL(VecNorm(u, NORM_INFINITY, &largest));
   results["max_displacement_component"] = largest;
+  cracks_->look(*d_, load_);
+  cracks_->write_paths();
   if (d_->cracks.empty() && !options_.post.any_j()) return;
   std::vector<double> local;
   d_->system.halo->gather(u, local);
   nlohmann::json cracks = nlohmann::json::object();
-  add_crack_results({*files_.scene.mesh, options_, *files_.scene.plan, *d_, local}, prior.energy_release, cracks);
+  add_crack_results({*files_.scene.mesh, options_, *files_.scene.plan, *d_, local}, cracks_->now(),
+                    prior.energy_release, cracks);
   for (const auto& [key, value] : cracks.items()) results[key] = value;
 }
 

@@ -146,14 +146,6 @@ void RunFiles::started()
   summary.memory_mb["before_solve"] = io::resident_memory_mb();
 }
 
-void RunFiles::add_tip_columns(std::vector<io::Column>& columns) const
-{
-  for (std::size_t t = 0; t < scene.d->cracks.tips().size(); ++t) {
-    columns.push_back({fmt::format("tip{}_x", t + 1), "m"});
-    columns.push_back({fmt::format("tip{}_y", t + 1), "m"});
-  }
-}
-
 void RunFiles::add_reaction_columns(std::vector<io::Column>& columns) const
 {
   static constexpr const char* directions[] = {"x", "y", "z"};

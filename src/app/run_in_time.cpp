@@ -9,6 +9,7 @@
 #include "pdx/base/stop_signals.hpp"
 #include "pdx/solve/explicit_driver.hpp"
 #include "pdx/solve/implicit_driver.hpp"
+#include "pdx/solve/kept_momentum.hpp"
 
 #include <fmt/format.h>
 #include <optional>
@@ -150,21 +151,6 @@ private:
     return adapt::leaving(scene_->view(), change_.uncover, fields);
   }
 
-  /// Nodes and particles that are new share out what the change took of the momentum, as one more velocity of theirs.
-  void keep_momentum(std::span<const double> is_new, const std::array<double, 3>& before, std::vector<double>& v) const
-  {
-    const solve::MovingSystem& moving = driver_->moving();
-    const field::Rows& rows = moving.system.rows;
-    const auto dim = static_cast<std::size_t>(rows.dim);
-    std::vector<double> more(v.size(), 0.0); // as one velocity
-    for (std::size_t row = 0; row < is_new.size(); ++row)
-      if (static_cast<Index>(row) < rows.nodes || static_cast<Index>(row) >= rows.first_particle())
-        std::fill_n(more.begin() + static_cast<std::ptrdiff_t>(row * dim), dim, is_new[row]);
-    const std::array<double, 3> mass = moving.momentum(more), now = moving.momentum(v);
-    if (mass[0] <= 0.0) return;
-    for (std::size_t k = 0; k < v.size(); ++k) v[k] += more[k] * (before[k % dim] - now[k % dim]) / mass[k % dim];
-  }
-
   /// Another scene, by `layout_`.
   void rebuild(bool same_mesh)
   {
@@ -211,7 +197,7 @@ private:
       const std::vector<double> is_new = move.came_after(known);
       const std::span<double> fields[] = {moving.u, moving.v};
       if (!change_.uncover.empty()) adapt::fit_sets(scene_->view(), left, is_new, fields);
-      keep_momentum(is_new, momentum, moving.v);
+      solve::keep_momentum(driver_->moving(), is_new, momentum, moving.v);
       driver_->resume_changed(clock, moving);
     } else
       driver_->resume(clock, move.moving());

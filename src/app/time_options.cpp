@@ -104,6 +104,11 @@ LayoutOptions LayoutOptions::read()
              "static 4 horizons",
              Range::at_least(0.0));
   l.expansions = o.integer("-adapt_expansions", 1, "expansions from one such contraction to the next", {1.0, 1e9});
+  static constexpr const char* trackers[] = {"sides", "laplacian"};
+  l.tracker = static_cast<track::Tracker>(
+      o.choice("-adapt_tracker", 0, trackers,
+               "how cracks are followed that elements take over: between the bodies that bonds hold together, or where "
+               "the Laplacian of damage is lowest"));
   l.adapt_interval =
       o.integer("-adapt_every", 1, "explicit: steps from one look for such bonds to the next", {1.0, 1e9});
   static constexpr const char* at_border[] = {"warn", "stop"};

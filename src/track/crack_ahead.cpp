@@ -27,20 +27,23 @@ template <class Visit> void for_each_site(const Vector<2>& a, const Vector<2>& b
       visit(Site<2>{i, j});
 }
 
-class Ahead {
+class WayAhead {
 public:
-  Ahead(const BondGraph& graph, const Line& start)
+  WayAhead(const BondGraph& graph, const Line& start)
       : graph_(graph), start_(start), horizon_(graph.horizon() / graph.lattice().dx), path_{start.at}
   {}
 
-  Line tip()
+  Ahead find()
   {
     Vector<2> along = start_.along;
     for (int quiet = 0; quiet < patience() && along.dot(start_.along) > 0.0;) quiet = step(along) ? 0 : quiet + 1;
     const double place = last_half();
-    if (place == 0.0) return start_;
+    if (place == 0.0) return {start_, {start_.at}, 0.0};
     const Vector<2> at = point(place);
-    return {at, (at - point(place - horizon_)).normalized()};
+    Ahead ahead{{at, (at - point(place - horizon_)).normalized()}, {}, share_};
+    for (std::size_t k = 0; static_cast<double>(k) < place; ++k) ahead.way.push_back(path_[k]);
+    ahead.way.push_back(at);
+    return ahead;
   }
 
 private:
@@ -108,8 +111,9 @@ private:
   double last_half()
   {
     std::ranges::sort(crossers_, {}, &Crosser::place);
-    double excess = 0.0, most = 0.0, first = 0.0, last = 0.0;
+    double excess = 0.0, most = 0.0, first = 0.0, last = 0.0, nearest[] = {0.0, 0.0};
     for (std::size_t k = 0; k < crossers_.size(); ++k) {
+      if (crossers_[k].place <= horizon_) nearest[crossers_[k].gone] += crossers_[k].weight;
       excess += crossers_[k].gone ? crossers_[k].weight : -crossers_[k].weight;
       if (excess < most - kEqual * crossers_[k].weight) continue;
       const double next = k + 1 < crossers_.size() ? crossers_[k + 1].place : static_cast<double>(path_.size() - 1);
@@ -117,6 +121,7 @@ private:
       most = std::max(most, excess);
       last = next;
     }
+    share_ = nearest[1] / (nearest[0] + nearest[1]);
     return most > 0.0 ? 0.5 * (first + last) : 0.0;
   }
 
@@ -133,8 +138,9 @@ private:
   double horizon_;              // in spacings
   std::vector<Vector<2>> path_; // a spacing between neighbours
   std::vector<Crosser> crossers_;
+  double share_ = 0.0;
 };
 } // namespace
 
-Line tip_ahead(const BondGraph& graph, const Line& start) { return Ahead(graph, start).tip(); }
+Ahead tip_ahead(const BondGraph& graph, const Line& start) { return WayAhead(graph, start).find(); }
 } // namespace pdx::track

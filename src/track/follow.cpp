@@ -1,12 +1,15 @@
 #include "pdx/track/follow.hpp"
 
 #include "crack_ahead.hpp"
+#include "laplacian.hpp"
 #include "parted_cell.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <set>
 
 namespace pdx::track {
@@ -15,6 +18,9 @@ constexpr double kSnap = 1e-3; // of an edge: what is nearer to a corner or a li
 constexpr double kAside =
     0.5; // spacings: a path that misses a cell by passing beyond a corner this near is on the corner
 constexpr double kSteep = 0.5;  // cosine of a crack's angle to an axis, up to which it runs across it
+constexpr double kKinked = 1.5; // horizons: what goes no farther straight on may have turned where it is known to end
+constexpr double kTurns[] = {40.0, -40.0, 80.0, -80.0}; // degrees
+constexpr double kTorn = 0.6;   // share of bonds broken along the first horizon of a crack that turned
 constexpr double kAlong = 0.25; // slope up to which a line that misses a cell beside it is taken to run along its side
 
 /// Cells in spacings, found by place.
@@ -112,8 +118,8 @@ Vector<2> way_out(const CellBox& cell, const Line& line)
 
 class Follower {
 public:
-  Follower(const BondGraph& graph, std::span<const geom::Box<2>> boxes, const Line& start)
-      : graph_(graph), boxes_(boxes), cells_(graph.lattice(), boxes), start_(start)
+  Follower(const BondGraph& graph, std::span<const geom::Box<2>> boxes, const Line& start, Tracker tracker)
+      : graph_(graph), boxes_(boxes), cells_(graph.lattice(), boxes), start_(start), tracker_(tracker)
   {
     snap_start();
   }
@@ -129,11 +135,15 @@ public:
       followed.crossings.push_back({cell, end, metres(out, cell)});
       end = followed.crossings.back().out;
     }
-    const Line tip = tip_ahead(graph_, now_);
-    followed.tip = tip.at == now_.at ? end : in_metres(graph_.lattice(), tip.at);
-    followed.direction = tip.along;
+    const Ahead ahead = tracker_ == Tracker::sides ? tip_ahead(graph_, now_) : ridge_ahead(graph_, now_);
+    hangs_together_ = !path_.empty() || ahead.share > kTorn;
+    for (std::size_t k = 1; k < ahead.way.size(); ++k)
+      followed.beyond.push_back(in_metres(graph_.lattice(), ahead.way[k]));
+    followed.tip = followed.beyond.empty() ? end : followed.beyond.back();
+    followed.direction = ahead.tip.along;
     return followed;
   }
+  bool hangs_together() const { return hangs_together_; } ///< is what was followed broken from the start on?
 
 private:
   using Tried = std::set<std::size_t>;
@@ -163,7 +173,7 @@ private:
     bool missed = false;
     for (auto cell = into(tried); cell; cell = into(tried)) {
       tried.insert(*cell);
-      const auto found = parted(graph_, cells_[*cell], start_, now_.along);
+      const auto found = parted(graph_, cells_[*cell], start_, now_.along, tracker_);
       const auto out = found ? leave(*cell, found->line) : std::nullopt;
       if (!found || (out && !go(*cell, *found, *out))) {
         now_.along = here.along;
@@ -248,7 +258,7 @@ private:
     if (!cell) return false;
     const CellBox& box = cells_[*cell];
     if (now_.at[1 - axis] != box.lower[1 - axis] && now_.at[1 - axis] != box.upper[1 - axis]) return false;
-    const auto found = parted(graph_, box, start_, now_.along);
+    const auto found = parted(graph_, box, start_, now_.along, tracker_);
     Vector<2> out = now_.at;
     out[axis] = (now_.along[axis] > 0.0 ? box.upper : box.lower)[axis];
     const auto far = [&](const Vector<2>& x) { return std::abs(found->line.offset(x)) > kAside; };
@@ -271,34 +281,51 @@ private:
   std::span<const geom::Box<2>> boxes_;
   Cells cells_;
   Line start_, now_;
+  Tracker tracker_;
   std::vector<Left> path_;
   Tried crossed_; // cells that are done with
+  bool hangs_together_ = true;
 };
 } // namespace
 
 Followed follow(const BondGraph& graph, std::span<const geom::Box<2>> cells, const Vector<2>& from,
-                const Vector<2>& direction)
+                const Vector<2>& direction, Tracker tracker)
 {
-  return Follower(graph, cells, {in_spacings(graph.lattice(), from), direction.normalized()}).all();
+  const auto follower = [&](double degrees) {
+    const Eigen::Rotation2D<double> turn(degrees * std::numbers::pi / 180.0);
+    return Follower(graph, cells, {in_spacings(graph.lattice(), from), turn * direction.normalized()}, tracker);
+  };
+  Followed best = follower(0.0).all();
+  const auto way = [&](const Followed& found) { return (found.tip - from).norm(); };
+  if (!best.crossings.empty() || way(best) > kKinked * graph.horizon()) return best;
+  double least = std::max(kKinked * graph.horizon(), way(best) + graph.horizon());
+  for (const double degrees : kTurns) {
+    Follower turned = follower(degrees);
+    Followed found = turned.all();
+    if (way(found) < least || !turned.hangs_together()) continue;
+    least = way(found);
+    best = std::move(found);
+  }
+  return best;
 }
 
 std::optional<FoundCrack> follow_both_ways(const BondGraph& graph, std::span<const geom::Box<2>> cells,
-                                           std::size_t cell)
+                                           std::size_t cell, Tracker tracker)
 {
   const CellBox box = in_spacings(graph.lattice(), cells[cell]);
   const Vector<2> middle = 0.5 * (box.lower + box.upper);
   for (const int axis : {0, 1}) {
     const Vector<2> heading = Vector<2>::Unit(axis);
     const Vector<2> far = middle - 2.0 * (box.size().sum() + graph.stencil().horizon / graph.lattice().dx) * heading;
-    const auto found = parted(graph, box, {far, heading}, heading); // nothing lies behind its start
+    const auto found = parted(graph, box, {far, heading}, heading, tracker); // nothing lies behind its start
     if (!found || std::abs(found->line.along[axis]) < kSteep) continue;
     const Vector<2> along = found->line.along;
     const Vector<2> in = in_metres(graph.lattice(), way_out(box, {found->line.at, -along}));
-    const Followed behind = follow(graph, cells, in, -along);
+    const Followed behind = follow(graph, cells, in, -along, tracker);
     const bool beside = behind.crossings.empty();
     const Vector<2> begin = beside ? in : behind.crossings.back().out;
     const Vector<2> onward = beside ? along : Vector<2>(behind.crossings.back().in - begin);
-    Followed ahead = follow(graph, cells, begin, onward);
+    Followed ahead = follow(graph, cells, begin, onward, tracker);
     if (!ahead.crossings.empty()) return FoundCrack{std::move(ahead), behind.tip};
   }
   return std::nullopt;

@@ -1,5 +1,7 @@
 #include "parted_cell.hpp"
 
+#include "laplacian.hpp"
+#include "point_cloud.hpp"
 #include "soft_line.hpp"
 
 #include <algorithm>
@@ -31,27 +33,6 @@ std::optional<Two> two_bodies(const Bodies& bodies)
   return Two{large[0], large[1]};
 }
 
-/// Sums for a straight line through weighted points.
-struct Cloud {
-  void add(const Vector<2>& x, double w)
-  {
-    weight += w;
-    first += w * x;
-    second += w * x * x.transpose();
-  }
-  /// Total least squares: along the longer axis of the cloud.
-  Line line() const
-  {
-    const Vector<2> middle = first / weight;
-    const Tensor<2> spread = second / weight - middle * middle.transpose();
-    const double angle = 0.5 * std::atan2(2.0 * spread(0, 1), spread(0, 0) - spread(1, 1));
-    return {middle, {std::cos(angle), std::sin(angle)}};
-  }
-  double weight = 0.0;
-  Vector<2> first = Vector<2>::Zero();
-  Tensor<2> second = Tensor<2>::Zero();
-};
-
 /// The particles of a cell and a horizon around it.
 class Window {
 public:
@@ -70,9 +51,9 @@ public:
   }
 
   /// Midpoints of nearest pairs.
-  Cloud midpoints(const Two& two) const
+  PointCloud midpoints(const Two& two) const
   {
-    Cloud cloud;
+    PointCloud cloud;
     for (std::size_t k = 0; k < bodies.sites.size(); ++k)
       if (two.has(bodies.body[k]))
         if (const auto x = half_way(bodies.sites[k], two.other(bodies.body[k]))) cloud.add(*x, weight(*x));
@@ -105,6 +86,14 @@ public:
       behind_ = behind_ && (particle.weight == 0.0 || margin > -kSlack);
     }
     return behind_;
+  }
+
+  /// Full in the cell, fading outside; none behind the start, unless the crack came straight from there.
+  double weight(const Vector<2>& x) const
+  {
+    const double outside = (cell_.lower - x).cwiseMax(x - cell_.upper).cwiseMax(0.0).norm();
+    const double behind = -start_.along.dot(x - start_.at);
+    return (behind_ ? 1.0 : fade(behind, -0.5, 0.5)) * fade(outside, 0.0, kFade * horizon_);
   }
 
   Bodies bodies;
@@ -144,14 +133,6 @@ private:
     return middle_of(site) + 0.5 / count * sum;
   }
 
-  /// Full in the cell, fading outside; none behind the start, unless the crack came straight from there.
-  double weight(const Vector<2>& x) const
-  {
-    const double outside = (cell_.lower - x).cwiseMax(x - cell_.upper).cwiseMax(0.0).norm();
-    const double behind = -start_.along.dot(x - start_.at);
-    return (behind_ ? 1.0 : fade(behind, -0.5, 0.5)) * fade(outside, 0.0, kFade * horizon_);
-  }
-
   CellBox cell_;
   Line start_;
   double horizon_; // in spacings
@@ -161,15 +142,21 @@ private:
 };
 } // namespace
 
-std::optional<Parted> parted(const BondGraph& graph, const CellBox& cell, const Line& start, const Vector<2>& heading)
+std::optional<Parted> parted(const BondGraph& graph, const CellBox& cell, const Line& start, const Vector<2>& heading,
+                             Tracker tracker)
 {
   Window window(graph, cell, start);
   const auto two = two_bodies(window.bodies);
   if (!two) return std::nullopt;
-  const Cloud cloud = window.midpoints(*two);
+  if (tracker == Tracker::laplacian) {
+    const auto ridge = ridge_in(
+        graph, window.bodies.sites, [&](const Vector<2>& x) { return window.weight(x); }, heading);
+    if (!ridge || ridge->along.dot(heading) < kTurn) return std::nullopt;
+    return Parted{std::move(window.bodies), *ridge};
+  }
+  const PointCloud cloud = window.midpoints(*two);
   if (cloud.weight < kFewest) return std::nullopt;
-  Line line = cloud.line();
-  if (line.along.dot(heading) < 0.0) line.along = -line.along;
+  Line line = cloud.line(heading);
   if (line.along.dot(heading) < kTurn) return std::nullopt;
   line = soft_line(window.labelled(*two, line), line, {});
   if (window.come_straight(*two, line)) line = soft_line(window.labelled(*two, line), line, {});

@@ -288,6 +288,17 @@ class Adapt(program.ProgramTest):
                     self.assertLess(abs(a["reaction_top_y"] - b["reaction_top_y"]), 0.02 * abs(a["reaction_top_y"]))
                 self.assertLess(abs(moved.summary["results"]["energy_relocated_ratio"]), 2e-2)
 
+    def test_cracks_may_be_followed_by_the_laplacian_of_damage(self):
+        large = self.solve(BEAM)
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                moved = self.solve(SHORT | {"-adapt": "relocate", "-adapt_tracker": "laplacian"}, ranks)
+                column = 36  # bonds; the last may go a load earlier
+                self.assertLessEqual(abs(large.summary["bonds_broken"] - moved.summary["bonds_broken"]), column)
+                self.assertGreaterEqual(moved.summary["relocations"], 3)
+                self.assertLess(moved.summary["unknowns"]["pd"], 0.5 * large.summary["unknowns"]["pd"])
+                self.assertLess(abs(moved.summary["results"]["energy_relocated_ratio"]), 2e-2)
+
     def test_loads_go_on_where_what_broke_comes_back(self):
         turned = BEAM | {"-layout_renew_interval": "3", "-layout_renew_box": "0.24e-3,0.19e-3,0.36e-3,0.26e-3"}
         for ranks in (1, 2):

@@ -329,6 +329,11 @@ CASES = [
     plate("no pass", r"-load_passes\b.*0.*at least 1", load_passes="0"),
     plate("broken share zero", r"-load_broken_share\b.*0", load_broken_share="0"),
     plate("broken share above all", r"-load_broken_share\b.*2", load_broken_share="2"),
+    # --- how cracks are followed
+    patch("unknown tracker", r"-adapt_tracker\b.*eyes.*sides, laplacian", adapt="relocate", adapt_tracker="eyes"),
+    patch("tracker of patches that hand nothing back", r"-adapt_tracker\b.*-adapt relocate", adapt="expand",
+          adapt_tracker="laplacian"),
+    patch("tracker of patches that stay", r"-adapt_tracker\b.*-adapt relocate", adapt_tracker="sides"),
     # --- patches at the tips of cracks
     seed("unknown seed", r"-adapt_seed\b.*crack.*none, tip", adapt_seed="crack"),
     seed("seeds beside patches", r"-adapt_seed tip\b.*-pd_patches", pd_patches="0.25,0.25,0.75,0.75"),

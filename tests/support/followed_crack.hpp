@@ -70,4 +70,27 @@ inline Straight straight_crack(double degrees, double ratio, std::mt19937& rando
   crack.plate.cut({from, crack.tip});
   return crack;
 }
+
+/// A crack along an arc from the left side of a plate of 64 x 64 on.
+struct Arc {
+  /// @param turn +1 to the left, -1 to the right
+  Arc(double r, double turn, std::mt19937& random) : radius(r)
+  {
+    std::uniform_real_distribution<double> share(0.0, 1.0);
+    const double length = std::min(40.0, radius), begin = 0.1 * share(random) * turn;
+    const Vector<2> from(0.0, turn > 0.0 ? 4.0 + 5.0 * share(random) : 60.0 - 5.0 * share(random));
+    const auto normal = [&](double s) {
+      return Vector<2>(-std::sin(begin + turn * s / radius), std::cos(begin + turn * s / radius));
+    };
+    centre = from + turn * radius * normal(0.0);
+    for (int p = 0; p <= 120; ++p) points.push_back(centre - turn * radius * normal(length * p / 120));
+    direction = {std::cos(begin), std::sin(begin)};
+    onwards = {normal(length)[1], -normal(length)[0]};
+  }
+  double beside(const Vector<2>& x) const { return (x - centre).norm() - radius; } ///< distance from the whole circle
+
+  double radius;
+  Vector<2> centre, direction, onwards; ///< unit vectors at its start and at its tip
+  crack::Polyline points;
+};
 } // namespace pdx::test

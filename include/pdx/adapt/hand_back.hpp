@@ -13,7 +13,8 @@ struct Leaving {
 Leaving leaving(const SceneView& scene, std::span<const geom::Box<2>> uncovered,
                 std::span<const std::span<const double>> fields);
 
-/// Enriched rows that there may be once cracks have gone on, at rest: of owned vertices around the elements to come.
+/// Enriched rows that there may be once cracks have gone on, at rest: of owned vertices around the elements to come,
+/// and of those around elements that are cut already.
 /// @param fields as many as rows have
 FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::size_t fields);
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "pdx/app/discretisation.hpp"
+#include "pdx/app/crack_state.hpp"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -17,16 +17,6 @@ struct Solved {
 /// moved tip that would leave its patch: before anything is solved. Collective.
 void require_contours(const Solved& solved);
 
-/// Where each crack's tips are now, from the bonds that broke ahead of them.
-struct CrackState {
-  std::vector<double> first_intact, farthest_broken; ///< of each tip, from where it was, along its direction [m]
-  double length = 0.0; ///< of all cracks inside the body, grown parts up to the farthest broken bond [m]
-};
-/// Collective.
-CrackState crack_state(const Discretisation& d);
-/// Length of a crack inside the body's box [m].
-double length_inside(const crack::CrackSet& cracks, int crack, const geom::Box<2>& body);
-
 /// -dPi/da of each tip, the crack's end moved forth and back along its direction: in a patch by the lattice's period
 /// that way (a spacing along x and y, eight at 30 degrees), in elements by one. Two solves of the whole load path each
 /// [J/m^2]. Leaves the mesh plain. Collective.
@@ -35,5 +25,6 @@ std::vector<double> energy_release(mesh::Mesh& mesh, const SceneOptions& options
 
 /// Adds J on contours and over elements, the stress intensity and the tips to the results. Collective.
 /// @param release of `energy_release`, empty if nobody asked
-void add_crack_results(const Solved& solved, std::span<const double> release, nlohmann::json& results);
+void add_crack_results(const Solved& solved, const CrackState& state, std::span<const double> release,
+                       nlohmann::json& results);
 } // namespace pdx::app

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/app/named_state.hpp"
+#include "pdx/app/static_cracks.hpp"
 #include "pdx/post/error_norm.hpp"
 #include "pdx/solve/static_driver.hpp"
 
@@ -41,7 +42,9 @@ private:
   const SceneOptions& options_;
   const Discretisation* d_ = nullptr;
   std::unique_ptr<post::EnergyLedger> ledger_;
+  std::unique_ptr<StaticCracks> cracks_;
   double converted_ = 0.0; // [J]
+  double load_ = 0.0;      // accepted last
   Reactions reactions_;
   std::optional<solve::Step> fields_due_; // the last accepted step, if its fields were left out
 };

@@ -60,9 +60,8 @@ public:
   void after_failure(const std::function<void()>& write) const;
   void stop(const std::string& why);        ///< a signal came: no failure, and worth a line in any log
   void warn(const std::string& what) const; ///< a line on standard error, even when quiet
-  /// Columns of the reactions of held parts, one for each direction; the same for energies of a crack.
+  /// Columns of the reactions of held parts, one for each direction.
   void add_reaction_columns(std::vector<io::Column>& columns) const;
-  void add_tip_columns(std::vector<io::Column>& columns) const;
   /// Where patches move: particles, elements, changes so far, and the energy that they brought [J].
   void add_layout_columns(std::vector<io::Column>& columns) const;
   void add_layout_row(std::vector<double>& row, double converted) const;

@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/field/history.hpp"
 #include "pdx/geom/box.hpp"
+#include "pdx/track/tracker.hpp"
 
 #include <optional>
 #include <string>
@@ -37,7 +38,8 @@ struct LayoutOptions {
   double contraction_length = 0.0; ///< particles as far from all tips become elements again; 0: likewise [m]
   int adapt_interval = 1;          ///< steps from one look for such damage to the next
   bool stops_at_border = false;    ///< where patches stay: does the run end when a crack comes to elements?
-  int expansions = 1;              ///< after so many a patch hands back what lies behind [XPD2 Eq. 15]
+  track::Tracker tracker = track::Tracker::sides; ///< how cracks are followed that elements take over
+  int expansions = 1;                             ///< after so many a patch hands back what lies behind [XPD2 Eq. 15]
 
   bool patches_move() const { return adapt != Adapt::none || renew_box; }
   bool may_change(int ranks) const

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/track/bond_graph.hpp"
+#include "pdx/track/tracker.hpp"
 
 #include <optional>
 #include <span>
@@ -14,9 +15,10 @@ struct Crossing {
 /// How far a crack has come.
 struct Followed {
   std::vector<Crossing>
-      crossings;       ///< in order, from the start on; only elements whose particles the crack parts wholly
-  Vector<2> tip;       ///< where the broken share of the weight of crossing bonds falls below one half [m]
-  Vector<2> direction; ///< unit vector of the path at its end
+      crossings;                 ///< in order, from the start on; only elements whose particles the crack parts wholly
+  Vector<2> tip;                 ///< where the broken share of the weight of crossing bonds falls below one half [m]
+  Vector<2> direction;           ///< unit vector of the path at its end
+  std::vector<Vector<2>> beyond; ///< from behind the last crossing to the tip, a spacing apart [m]
 };
 
 /// Follows a crack from a point on through cells of particles (axis-aligned boxes made of whole lattice cells, given in
@@ -31,9 +33,9 @@ struct Followed {
 /// back to a cell; from there broken short bonds are followed to the tip. Time goes with the cells followed.
 /// @param from where what is known of the crack ends, in or at the border of a cell; the first crossing begins there,
 /// or on the line of the mesh or corner that it is within 1e-3 of an edge of
-/// @param direction unit vector, straight on; the crack may turn here
+/// @param direction unit vector, straight on; the crack may turn here, by up to a right angle
 Followed follow(const BondGraph& graph, std::span<const geom::Box<2>> cells, const Vector<2>& from,
-                const Vector<2>& direction);
+                const Vector<2>& direction, Tracker tracker = Tracker::sides);
 
 /// A crack of which no end is known.
 struct FoundCrack {
@@ -43,5 +45,5 @@ struct FoundCrack {
 /// The crack that parts a cell, both ways from there; nothing if none does. Its sense is that of x, or of y if it runs
 /// nearly across. A crack that branches off another begins so, behind the fork.
 std::optional<FoundCrack> follow_both_ways(const BondGraph& graph, std::span<const geom::Box<2>> cells,
-                                           std::size_t cell);
+                                           std::size_t cell, Tracker tracker = Tracker::sides);
 } // namespace pdx::track

@@ -86,30 +86,21 @@ TEST_P(FollowCells, ArcsAreFollowedToTenthsOfASpacing)
 {
   const auto [ratio, r] = GetParam();
   std::mt19937 random(11);
-  std::uniform_real_distribution<double> share(0.0, 1.0);
   for (const double radii : {20.0, 10.0}) {
     Errors path, tip;
     for (int k = 0; k < 6; ++k) {
-      const double radius = radii * ratio, length = std::min(40.0, radius), turn = k % 2 ? 1.0 : -1.0;
-      const double begin = 0.1 * share(random) * turn;
-      const Vector<2> from(0.0, turn > 0.0 ? 4.0 + 5.0 * share(random) : 60.0 - 5.0 * share(random));
-      const auto normal = [&](double s) {
-        return Vector<2>(-std::sin(begin + turn * s / radius), std::cos(begin + turn * s / radius));
-      };
-      const Vector<2> centre = from + turn * radius * normal(0.0);
-      crack::Polyline arc;
-      for (int p = 0; p <= 120; ++p) arc.push_back(centre - turn * radius * normal(length * p / 120));
+      const Arc arc(radii * ratio, k % 2 ? 1.0 : -1.0, random);
       CrackedLattice plate({64, 64}, ratio);
-      plate.cut(arc);
+      plate.cut(arc.points);
       const auto cells = plate.cells(r, r);
-      const Followed followed = follow(plate.graph(), cells, from, {std::cos(begin), std::sin(begin)});
+      const Vector<2>&from = arc.points.front(), &end = arc.points.back();
+      const Followed followed = follow(plate.graph(), cells, from, arc.direction);
       expect_chain(followed, cells, from);
-      walk(followed.crossings, [&](const Vector<2>& x, std::size_t) { path.add((x - centre).norm() - radius); });
-      const Vector<2> onwards(normal(length)[1], -normal(length)[0]);
-      tip.add(onwards.dot(followed.tip - arc.back()));
-      EXPECT_LT((followed.tip - arc.back()).norm(), 0.9);
+      walk(followed.crossings, [&](const Vector<2>& x, std::size_t) { path.add(arc.beside(x)); });
+      tip.add(arc.onwards.dot(followed.tip - end));
+      EXPECT_LT((followed.tip - end).norm(), 0.9);
       ASSERT_FALSE(followed.crossings.empty());
-      EXPECT_LT((followed.crossings.back().out - arc.back()).norm(), 1.5 * r + ratio + 2.0);
+      EXPECT_LT((followed.crossings.back().out - end).norm(), 1.5 * r + ratio + 2.0);
     }
     EXPECT_LT(path.rms(), radii > 15.0 ? 0.12 : 0.23);
     EXPECT_LT(path.most, 0.5);

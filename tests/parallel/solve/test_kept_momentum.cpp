@@ -1,0 +1,67 @@
+#include "pdx/solve/kept_momentum.hpp"
+
+#include "support/scene.hpp"
+#include "support/standing_wave.hpp"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+
+using namespace pdx;
+
+namespace {
+/// A plate of 12 x 12 elements, free in space, with a patch and perhaps a crack.
+app::SceneOptions flying_plate(bool cracked)
+{
+  app::SceneOptions options = test::held_plate({12, 12});
+  options.conditions.clear();
+  options = test::moving(test::with_patch(std::move(options), {{0.25, 0.25}, {0.75, 0.75}}, 1.0 / 48.0));
+  if (cracked) options.cracks.lines = {{{0.0, 0.46}, {0.5, 0.52}}};
+  return options;
+}
+
+std::vector<double> owned_of(const test::Scene& scene, const test::Field& field)
+{
+  std::vector<double> all = scene.blocks(field);
+  all.resize(2 * static_cast<std::size_t>(scene.rows().owned()));
+  return all;
+}
+
+/// What momentum is missing after a change, over that of the largest velocity.
+double missing(bool cracked)
+{
+  test::Scene scene(flying_plate(cracked));
+  const solve::MovingSystem moving(scene.system());
+  const auto right = [](const Vector<2>& x) { return x[0] > 0.4; };
+  std::vector<double> is_new(static_cast<std::size_t>(scene.rows().owned()), 0.0);
+  for (Index row = 0; row < scene.rows().owned(); ++row)
+    is_new[static_cast<std::size_t>(row)] = right(scene.place(row)) ? 1.0 : 0.0;
+  const auto wanted = moving.momentum(owned_of(scene, test::noise(3)));
+  std::vector<double> v = owned_of(scene, test::noise(5));
+  const std::vector<double> before = v;
+  solve::keep_momentum(moving, is_new, wanted, v);
+  for (std::size_t row = 0; row < is_new.size(); ++row)
+    if (is_new[row] == 0.0) {
+      EXPECT_EQ(v[2 * row], before[2 * row]);
+    }
+  const auto found = moving.momentum(v), whole = moving.momentum(owned_of(scene, test::affine(0, 0, 0, 0, {1.0, 1.0})));
+  EXPECT_NEAR(whole[0], 0.5, 0.01); // rho 1, thickness 0.5, and sets that move
+  EXPECT_GT(std::abs(wanted[0] - moving.momentum(before)[0]), 1e-4 * whole[0]);
+  return std::max(std::abs(found[0] - wanted[0]), std::abs(found[1] - wanted[1])) / whole[0];
+}
+} // namespace
+
+TEST(KeptMomentum, IsThatOfBeforeToRounding)
+{
+  EXPECT_LT(missing(false), 1e-15);
+  EXPECT_LT(missing(true), 1e-15);
+}
+
+TEST(KeptMomentum, IsLeftAloneWhereNothingIsNew)
+{
+  test::Scene scene(flying_plate(false));
+  const solve::MovingSystem moving(scene.system());
+  std::vector<double> v = owned_of(scene, test::noise(5));
+  const std::vector<double> before = v;
+  solve::keep_momentum(moving, std::vector<double>(v.size() / 2, 0.0), {1.0, 1.0, 0.0}, v);
+  EXPECT_EQ(v, before);
+}
