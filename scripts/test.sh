@@ -6,5 +6,4 @@ scripts/setup.sh demo tests
 scripts/build.sh release
 # shellcheck source=scripts/mpi_env.sh
 . scripts/mpi_env.sh
-# One more than there are cores: tests of two ranks run half of their scenes on one.
-exec ctest --preset release --no-tests=error --parallel "$(($(nproc) + 1))" "$@"
+exec ctest --preset release --no-tests=error --parallel "$(nproc)" "$@"
