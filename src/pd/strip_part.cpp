@@ -7,7 +7,7 @@
 namespace pdx::pd {
 namespace {
 /// Room for rounding in the search for overstretched bonds: e is a sum of a few terms of size 1.
-constexpr double kRoom = 1e-12, kRounding = 1e-14;
+constexpr double kRoom = 1e-12, kLeastRoom = 1e-14;
 
 bool any_displaced(const double* u, std::ptrdiff_t count)
 {
@@ -50,7 +50,7 @@ template <int Dim> void StripPart<Dim>::watch(double critical_stretch)
 {
   critical_stretch_ = critical_stretch;
   const double e = kinematics_ == Kinematics::linear ? critical_stretch : critical_stretch * (2.0 + critical_stretch);
-  threshold_ = e * (1.0 - kRoom) - kRounding;
+  threshold_ = e * (1.0 - kRoom) - kLeastRoom;
 }
 
 template <int Dim> void StripPart<Dim>::load(std::span<const double> owned)

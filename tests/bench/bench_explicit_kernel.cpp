@@ -107,8 +107,8 @@ template <int Dim> void gathered_list(benchmark::State& state, Size<Dim> size)
   Body<Dim> body(size);
   body.list_neighbours();
   for ([[maybe_unused]] auto _ : state) {
-    benchmark::DoNotOptimize(pd::add_gathered_force<Dim>(this_processor(), body.list(), Kinematics::finite,
-                                                         kCritical, body.u.data(), body.r.data()));
+    benchmark::DoNotOptimize(pd::add_gathered_force<Dim>(this_processor(), body.list(), Kinematics::finite, kCritical,
+                                                         body.u.data(), body.r.data()));
     benchmark::ClobberMemory();
   }
   state.SetItemsProcessed(state.iterations() * 2 * body.part->bonds());

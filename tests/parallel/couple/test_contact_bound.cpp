@@ -6,7 +6,7 @@
 using namespace pdx;
 using test::Touching;
 
-namespace {
+namespace test_contact_bound {
 /// Least eigenvalue of bound - tangent, over the largest of the bound; the tangent is the difference of forces at a
 /// scene that just touches.
 template <int Dim>
@@ -41,7 +41,6 @@ double slack_of_bound(Touching<Dim>& scene, const std::function<Vector<Dim>(cons
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() /
          *std::ranges::max_element(bound);
 }
-} // namespace
 
 template <class T> class ContactBound : public testing::Test {};
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
@@ -77,3 +76,4 @@ TYPED_TEST(ContactBound, IsNeverExceeded)
           EXPECT_GT(slack, -1e-6) << friction << ' ' << size << ' ' << along << ' ' << turn;
         }
 }
+} // namespace test_contact_bound

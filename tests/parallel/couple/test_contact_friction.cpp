@@ -4,7 +4,7 @@
 using namespace pdx;
 using test::Touching;
 
-namespace {
+namespace test_contact_friction {
 /// The whole turned about the origin in the plane of x and y.
 template <int Dim> Vector<Dim> turned(const Vector<Dim>& x, double angle)
 {
@@ -23,7 +23,6 @@ template <int Dim> auto turned_and_dragged(double angle, double along)
     return turned<Dim>(x, angle) - row.x;
   };
 }
-} // namespace
 
 template <class T> class ContactFriction : public testing::Test {};
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
@@ -113,3 +112,4 @@ TYPED_TEST(ContactFriction, IsTheDerivativeOfItsEnergyAndNeitherPushesNorTurnsTh
   EXPECT_EQ(scene.sum(scene.contact->slip()), 0.0);
   EXPECT_LT(scene.push(1, 0)[0], -0.01);
 }
+} // namespace test_contact_friction

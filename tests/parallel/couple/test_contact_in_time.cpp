@@ -10,7 +10,7 @@ using namespace pdx;
 using test::Touching;
 using Verdict = solve::TimeDriver::Verdict;
 
-namespace {
+namespace test_contact_in_time {
 /// A value of -ts_max_time or -ts_max_steps while it lives.
 struct Until {
   explicit Until(const char* name, double value) : name_(name)
@@ -78,7 +78,6 @@ template <int Dim> Crash crash(MPI_Comm comm, double friction)
   result.u = scene.of_all(driver.u());
   return result;
 }
-} // namespace
 
 template <class T> class ContactInTime : public testing::Test {};
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
@@ -99,7 +98,6 @@ TYPED_TEST(ContactInTime, BlocksThatCollideKeepMomentumAndEnergyOnAnyNumberOfRan
   }
 }
 
-namespace {
 /// Two scenes of one kind, of which the second goes on from where the first has stopped.
 template <int Dim> std::pair<std::vector<double>, std::vector<double>> run(bool stop)
 {
@@ -122,11 +120,9 @@ template <int Dim> std::pair<std::vector<double>, std::vector<double>> run(bool 
   next.run([] { return Verdict::go_on; });
   return {second.of_all(next.u()), second.books->sums()};
 }
-} // namespace
 
 TYPED_TEST(ContactInTime, GoesOnToTheLastBit) { EXPECT_EQ(run<TypeParam::value>(true), run<TypeParam::value>(false)); }
 
-namespace {
 /// A block on a slope of lattice points, both turned by `slope`, for a while.
 struct Slide {
   double way = 0.0, lost = 0.0, drift = 0.0; ///< along the slope [m]; by friction, and nowhere [J]
@@ -160,7 +156,6 @@ Slide slide(double slope, double friction)
   result.energy = 0.5 * 32.0 * speed * speed;
   return result;
 }
-} // namespace
 
 TEST(ContactSlide, ABlockSlidesStraightDownALatticeOfPointsWithoutFriction)
 {
@@ -187,3 +182,4 @@ TEST(ContactSlide, OrSticks)
   const Slide s = slide(0.4, 0.6);
   EXPECT_LT(std::abs(s.way), 0.1);
 }
+} // namespace test_contact_in_time

@@ -7,7 +7,7 @@
 using namespace pdx;
 using mpm::BodyMaterial;
 
-namespace {
+namespace test_point_bound {
 BodyMaterial material(int ratio, double poisson = 0.3, double spacing = 0.05)
 {
   return {{10.0, poisson, law::Plane::stress, 0.7, 4.0}, mpm::Law::corotational, spacing, ratio};
@@ -75,7 +75,6 @@ template <int Dim> Site<Dim> cube(Index n)
   cells.fill(n);
   return cells;
 }
-} // namespace
 
 TEST(PointBound, EveryMaskAloneHasABoundedStep)
 {
@@ -157,3 +156,4 @@ TEST(PointBound, DoesNotDependOnWhoHasWhat)
       ball_here(PETSC_COMM_WORLD, cube<3>(4), material(2), ball<3>(4, 2));
   EXPECT_NEAR(bound(ball_here) / test::largest(bound(ball_alone)), 1.0, 1e-11);
 }
+} // namespace test_point_bound

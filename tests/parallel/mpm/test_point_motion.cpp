@@ -7,7 +7,7 @@
 using namespace pdx;
 using mpm::BodyMaterial;
 
-namespace {
+namespace test_point_motion {
 constexpr double kPi = std::numbers::pi;
 
 BodyMaterial material(int ratio, double spacing)
@@ -90,7 +90,6 @@ std::uint64_t round_mask(const Site<2>& cell)
       mask |= std::uint64_t{1} << site;
   return mask;
 }
-} // namespace
 
 TEST(PointMotion, StandingWavesAreOfSecondOrder)
 {
@@ -181,3 +180,4 @@ TEST(PointMotion, ViscosityTakesWhatItSaysAndNothingOfRigidMotion)
   EXPECT_NEAR(test::sum(work), power, 1e-13 * power);
   for (const double s : sum) EXPECT_NEAR(test::sum(s), 0.0, 1e-13);
 }
+} // namespace test_point_motion

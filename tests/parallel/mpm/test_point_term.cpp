@@ -9,7 +9,7 @@
 using namespace pdx;
 using mpm::BodyMaterial;
 
-namespace {
+namespace test_point_term {
 constexpr double kYoung = 10.0;
 
 template <int Dim> Site<Dim> box(Index a, Index b, Index c)
@@ -71,7 +71,6 @@ double largest_of(const std::vector<double>& values)
   for (const double v : values) most = std::max(most, std::abs(v));
   return test::largest(most);
 }
-} // namespace
 
 TYPED_TEST(PointTerm, RigidMotionLeavesNoForceAndNoStress)
 {
@@ -104,7 +103,6 @@ TYPED_TEST(PointTerm, UniformStrainIsExactWhateverPointsThereAre)
       EXPECT_NEAR(f[k], h(c / Dim, c % Dim) + (c / Dim == c % Dim), 1e-13);
     }
     // What a node feels is P times the sum of V grad N over the points around it.
-    field::Rows rows = body.rows();
     std::vector<double> expected(static_cast<std::size_t>(body.halo().size()) * Dim, 0.0);
     const auto cells = body.term().cells();
     for (const mpm::PointCell<Dim>& cell : cells)
@@ -280,3 +278,4 @@ TYPED_TEST(PointTerm, PointsMoveWithLinearFields)
     }
   }
 }
+} // namespace test_point_term

@@ -5,14 +5,13 @@
 using namespace pdx;
 using couple::ContactLaw;
 
-namespace {
+namespace test_contact_law {
 couple::ContactOptions with_friction(double friction)
 {
   couple::ContactOptions options;
   options.friction = friction;
   return options;
 }
-} // namespace
 
 TEST(ContactLaw, IsAsStiffAsTheLayerThatBothHalvesMake)
 {
@@ -68,3 +67,4 @@ TEST(ContactLaw, ItsBoundIsThatOfTheCornerThatMeetsMostPoints)
   EXPECT_NEAR(plane.stiffness_bound(0, 2.0, 1, 1.0), 2.0 * k * (1.0 + 2.0), 1e-15);
   EXPECT_GT(ContactLaw<2>({{"a", 1.0}, {"b", 1.0}}, with_friction(0.1)).stiffness_bound(0, 1.0, 1, 1.0), 2.5);
 }
+} // namespace test_contact_law

@@ -6,7 +6,7 @@ using namespace pdx;
 using couple::ContactSkin;
 using couple::SkinPoint;
 
-namespace {
+namespace test_contact_skin {
 std::vector<Index> sizes_of_facets(const auto& skin)
 {
   std::vector<Index> counts(4, 0);
@@ -36,7 +36,6 @@ template <int Dim> couple::Touch<Dim> touch(std::vector<SkinPoint<Dim>> points, 
     if (skin.point(skin.facet(f).points[0]).body == 0) facets.push_back(f);
   return couple::deepest_touch<Dim>(skin, facets, places, static_cast<Index>(points.size()) - 1);
 }
-} // namespace
 
 TEST(ContactSkin, OfARowIsAChain)
 {
@@ -93,3 +92,4 @@ TEST(ContactTouch, BeyondAnEdgeItIsRound)
   EXPECT_NEAR((here.normal - Vector<3>(0.6, 0.0, 0.8)).norm(), 0.0, 1e-14);
   EXPECT_LT(touch<3>(sheet(4, 3), {0.41, 0.1, 0.0}).facet, 0);
 }
+} // namespace test_contact_skin

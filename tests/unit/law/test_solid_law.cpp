@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-namespace {
+namespace test_solid_law {
 using namespace pdx;
 using namespace pdx::law;
 constexpr double kPoisson = 0.3, kDensity = 4.0;
@@ -67,7 +67,6 @@ template <class C> struct SolidLaw : ::testing::Test {
 using Cases =
     ::testing::Types<Case<Corotational<2>, 2>, Case<Corotational<3>, 3>, Case<NeoHooke<2>, 2>, Case<NeoHooke<3>, 3>>;
 TYPED_TEST_SUITE(SolidLaw, Cases);
-} // namespace
 
 TYPED_TEST(SolidLaw, StressIsTheDerivativeOfTheEnergy)
 {
@@ -262,3 +261,4 @@ TEST(NeoHooke, SwollenBodyHasThePressureOfTheClosedForm)
   EXPECT_NEAR(p(1, 1), mu * (l - 1.0 / l) + 3.0 * lambda * std::log(l) / l, 1e-13 * 10.0);
   EXPECT_NEAR(p(0, 1), 0.0, 1e-15);
 }
+} // namespace test_solid_law

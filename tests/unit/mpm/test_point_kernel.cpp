@@ -10,7 +10,7 @@
 using namespace pdx;
 using mpm::BodyMaterial;
 
-namespace {
+namespace test_point_kernel {
 /// A grid of cells of one body, all with the same points, corners displaced at random.
 template <int Dim> struct Grid {
   BodyMaterial body;
@@ -94,7 +94,6 @@ template <class D> struct PointKernel : ::testing::Test {
 };
 using Dimensions = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(PointKernel, Dimensions);
-} // namespace
 
 TYPED_TEST(PointKernel, EveryVersionHasTheForcesOfPlainSums)
 {
@@ -208,3 +207,4 @@ TEST(CellPoints, SquareOfOnePointBendsAsABeam)
   const mpm::CellMatrix<2> k = mpm::cell_tangent<2>(body, points, mpm::CellVector<2>::Zero());
   EXPECT_NEAR(0.5 * u.dot(k * u) / (10.0 * 0.7 * a * a * std::pow(h, 4) / 24.0), 1.0, 1e-12);
 }
+} // namespace test_point_kernel
