@@ -16,6 +16,7 @@ using Verdict = solve::TimeDriver::Verdict;
 constexpr const char* kFile = "checkpoint.h5";
 constexpr const char* kOptions = "/options"; // what makes a scene this one as the options say it, and as it stands
 constexpr const char* kScene = "/scene";
+constexpr std::size_t kRankSums = 3;  // of every scene: work, broken bonds, their energy
 constexpr int kMostSteps = 16;        // from one look at signals and the clock to the next
 constexpr double kMostSeconds = 0.25; // likewise [s]
 
@@ -208,22 +209,26 @@ void Checkpoints::read_sums(solve::TimeDriver::Clock& clock) const
   int ranks = 1;
   MPI_Comm_size(files_.comm(), &ranks);
   const auto rank = static_cast<std::size_t>(rank_in(files_.comm()));
-  std::vector<double> sums(3 * static_cast<std::size_t>(from_->shape("/rank_sums")[0]));
-  from_->read("/rank_sums", 0, 3, std::span<double>(sums));
-  std::array<double, 3> mine{};
-  if (sums.size() == 3 * static_cast<std::size_t>(ranks))
-    std::copy_n(sums.begin() + static_cast<std::ptrdiff_t>(3 * rank), 3, mine.begin());
+  std::vector<double> mine(kRankSums + files_.scene.model->rank_sums().size(), 0.0);
+  const std::size_t width = mine.size();
+  std::vector<double> sums(width * static_cast<std::size_t>(from_->shape("/rank_sums")[0]));
+  from_->read("/rank_sums", 0, static_cast<int>(width), std::span<double>(sums));
+  if (sums.size() == width * static_cast<std::size_t>(ranks))
+    std::copy_n(sums.begin() + static_cast<std::ptrdiff_t>(width * rank), width, mine.begin());
   else if (rank == 0)
-    for (std::size_t k = 0; k < sums.size(); ++k) mine[k % 3] += sums[k];
+    for (std::size_t k = 0; k < sums.size(); ++k) mine[k % width] += sums[k];
   clock.work = mine[0];
+  files_.scene.model->resume_sums(std::span(mine).subspan(kRankSums));
   if (breaker()) breaker()->resume({std::llround(mine[1]), mine[2]});
 }
 
 void Checkpoints::write_sums(io::Hdf5File& file, const solve::TimeDriver& driver) const
 {
   const pd::Broken broken = breaker() ? breaker()->mine() : pd::Broken{};
-  const std::array<double, 3> mine{driver.moving().work(), static_cast<double>(broken.bonds), broken.energy};
-  file.dataset("/rank_sums", std::span<const double>(mine), 3);
+  std::vector<double> mine{driver.moving().work(), static_cast<double>(broken.bonds), broken.energy};
+  const std::vector<double> more = files_.scene.model->rank_sums();
+  mine.insert(mine.end(), more.begin(), more.end());
+  file.dataset("/rank_sums", std::span<const double>(mine), static_cast<int>(mine.size()));
 }
 
 Checkpoints::Kept Checkpoints::kept_now(const TimeRecorder& recorder) const

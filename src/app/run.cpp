@@ -41,12 +41,14 @@ void run(MPI_Comm comm, double begin)
   SceneOptions options = SceneOptions::read();
   refuse_reference_options(options);
   if (!options.time.dynamic()) (void)wants_assembled(options); // refuses before anything is built
-  if (options.pd.cloud.empty()) settle(comm, options);
+  if (options.pd.cloud.empty() && !options.points.any()) settle(comm, options);
   RunFiles files(comm, options, begin);
   for (const std::string& warning : options.warnings) files.warn(warning);
   for (const std::string& note : options.notes) files.progress.line(note);
   try {
-    if (!options.pd.cloud.empty())
+    if (options.points.any())
+      run_in_time(files, point_scene(comm, options));
+    else if (!options.pd.cloud.empty())
       run_in_time(files, cloud_scene(comm, options));
     else if (options.solid)
       run_in_time(files, solid_scene(comm, options));
@@ -84,7 +86,8 @@ std::string help_text()
     text += fmt::format("  {:<28} {}{}\n{:31}default {}; {}\n", doc.name, doc.help,
                         doc.unit.empty() ? "" : " [" + doc.unit + "]", "", doc.default_value, doc.allowed);
   }
-  text += "\nBodies and crack faces do not touch: there is no contact, what meets passes through.\n";
+  text += "\nCrack faces, elements and particles do not touch: there is contact between bodies of -mpm_bodies only, "
+          "all else passes through what it meets.\n";
   return text +
          "\nSolver options are PETSc's: -snes_..., -ksp_..., -pc_..., -mg_levels_..., -mg_coarse_..., -log_view.\n";
 }

@@ -3,6 +3,7 @@
 #include "pdx/app/cloud_body.hpp"
 #include "pdx/app/last_words.hpp"
 #include "pdx/app/output_blocks.hpp"
+#include "pdx/app/point_body.hpp"
 #include "pdx/app/seeds.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/base/given_options.hpp"
@@ -41,6 +42,9 @@ RunFiles::RunFiles(MPI_Comm comm, const SceneOptions& given, double begin)
 Standing::Standing(mesh::Mesh* background, const Solid* space) : mesh(background), solid(space), model(space) {}
 Standing::Standing(mesh::Mesh* background, CloudModel* particles) : mesh(background), cloud(particles), model(particles)
 {}
+Standing::Standing(mesh::Mesh* background, const PointModel* material_points)
+    : mesh(background), points(material_points), model(material_points)
+{}
 
 void RunFiles::take_scene(const Standing& standing)
 {
@@ -57,6 +61,7 @@ void RunFiles::take_scene(const Standing& standing)
   summary.unknowns.enriched = counts[1];
   summary.unknowns.pd = counts[2];
   summary.unknowns.ghost = scene.model->ghosts;
+  if (scene.points) summary.unknowns.mpm = scene.points->points;
   if (scene.d && scene.d->sets) {
     const xfem::CutReport& report = scene.d->sets->report();
     auto& results = summary.results;
@@ -74,9 +79,10 @@ void RunFiles::built(const Standing& standing)
   take_scene(standing);
   const auto& unknowns = summary.unknowns;
   const auto elements = unknowns.fe + unknowns.enriched;
-  progress.line(fmt::format("{}: {} unknowns ({} of elements, {} of particles), partition cut {} imbalance {:.2f}",
-                            options.case_name, elements + unknowns.pd, elements, unknowns.pd, scene.mesh->quality().cut,
-                            scene.mesh->quality().imbalance));
+  const std::string whose = scene.points ? fmt::format("of the grids of {} material points", unknowns.mpm)
+                                         : fmt::format("{} of elements, {} of particles", elements, unknowns.pd);
+  progress.line(fmt::format("{}: {} unknowns ({}), partition cut {} imbalance {:.2f}", options.case_name,
+                            elements + unknowns.pd, whose, scene.mesh->quality().cut, scene.mesh->quality().imbalance));
   report_cracks();
   if (options.pd.seeded) summary.results["seeded_patches"] = given_boxes(options);
 }
@@ -171,7 +177,9 @@ std::vector<double> RunFiles::reactions(std::span<const double> force) const
 void RunFiles::write_fields(double time, Vec u, const std::vector<double>& relative_percent)
 {
   std::vector<field::OutputBlock> blocks;
-  if (scene.cloud)
+  if (scene.points)
+    blocks = scene.points->blocks(u, velocity);
+  else if (scene.cloud)
     blocks = cloud_blocks(options, *scene.cloud, u, velocity);
   else if (scene.solid)
     blocks = solid_blocks(options, *scene.solid, u);

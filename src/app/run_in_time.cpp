@@ -174,6 +174,7 @@ private:
     couple::BondBreaker* breaker = files_.scene.model->breaker;
     const pd::Broken broken = breaker ? breaker->mine() : pd::Broken{};
     const solve::TimeDriver::Clock clock = driver_->clock();
+    const std::vector<double> sums = files_.scene.model->rank_sums();
     NamedState state = capture(files_.scene, *driver_, recorder_.leave_scene(*driver_));
     const bool moves = !change_.empty();
     const std::size_t known = state.rows.size();
@@ -203,6 +204,7 @@ private:
       driver_->resume(clock, move.moving());
     breaker = scene_->standing().model->breaker;
     if (breaker) breaker->resume(broken);
+    scene_->standing().model->resume_sums(sums);
     recorder_.take_scene(scene_->standing(), *driver_, move.cracks());
     if (checkpoints_) checkpoints_->take_scene(files_.scene, layout_, dormant_, recorder_);
     files_.layout_seconds += MPI_Wtime() - begin;

@@ -1,8 +1,10 @@
 #include "pdx/app/scene.hpp"
 
 #include "pdx/app/particle_warnings.hpp"
+#include "pdx/app/point_body.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/base/stop_signals.hpp"
+#include "pdx/mesh/gmsh.hpp"
 #include "pdx/solve/stable_step.hpp"
 
 namespace pdx::app {
@@ -150,6 +152,35 @@ private:
   std::unique_ptr<CloudBody<Dim>> body_;
 };
 
+template <int Dim> class PointScene final : public Scene {
+public:
+  PointScene(MPI_Comm comm, SceneOptions given, const PointPlan<Dim>& plan, const mesh::MeasuredCosts* costs)
+      : options_(std::move(given)), mesh_(cut_mesh(comm, plan.mesh, {}, costs)),
+        body_(discretise<Dim>(options_, plan, mesh_))
+  {
+    stop_if_told(comm);
+  }
+  Standing standing() override { return {&mesh_, body_.get()}; }
+  field::System& system() override { return body_->system; }
+  StepLimits limits() override { return limits_of<Dim>({}, body_->system); }
+
+private:
+  SceneOptions options_;
+  mesh::Mesh mesh_;
+  std::unique_ptr<PointBody<Dim>> body_;
+};
+
+template <int Dim> SceneMaker point_maker(MPI_Comm comm, SceneOptions& options)
+{
+  auto plan = std::make_shared<PointPlan<Dim>>(plan_points<Dim>(options));
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  if (rank) *plan->mesh.list = {}; // a mesh begins on one rank
+  return [comm, &options, plan](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
+    return std::make_unique<PointScene<Dim>>(comm, layout.in(options), *plan, costs);
+  };
+}
+
 /// The whole cloud is kept only where it is asked for again.
 template <int Dim> SceneMaker cloud_maker(MPI_Comm comm, SceneOptions& options)
 {
@@ -183,5 +214,10 @@ SceneMaker solid_scene(MPI_Comm comm, const SceneOptions& options)
 SceneMaker cloud_scene(MPI_Comm comm, SceneOptions& options)
 {
   return options.solid ? cloud_maker<3>(comm, options) : cloud_maker<2>(comm, options);
+}
+
+SceneMaker point_scene(MPI_Comm comm, SceneOptions& options)
+{
+  return options.solid ? point_maker<3>(comm, options) : point_maker<2>(comm, options);
 }
 } // namespace pdx::app

@@ -1,6 +1,7 @@
 #include "pdx/app/scene_names.hpp"
 
 #include "pdx/app/cloud_body.hpp"
+#include "pdx/app/point_body.hpp"
 #include "pdx/app/solid.hpp"
 
 namespace pdx::app {
@@ -27,6 +28,7 @@ SceneNames::SceneNames(const Standing& scene) : scene_(scene)
     for (const Index v : scene.d->nodes) rows_.push_back(field::RowName::node(scene.mesh->natural_vertex(v)));
     add_sets(*scene.mesh, *scene.d, rows_);
   }
+  if (scene.points) rows_ = scene.points->node_names;
   for (const pd::Particle& p : scene.model->particles) rows_.push_back(particle(p.patch, p.site));
 }
 

@@ -26,6 +26,7 @@ geom::Box<2> box_of(const std::string& name, const std::vector<double>& v, std::
 }
 
 bool is_cloud() { return Options("pd").given("-pd_cloud"); }
+bool are_points() { return Options("mpm").given("-mpm_bodies"); }
 
 law::Elastic read_material(bool describe, bool& solid)
 {
@@ -42,7 +43,7 @@ law::Elastic read_material(bool describe, bool& solid)
              {-0.999, 0.4999});
   elastic.thickness =
       o.real("-material_thickness", 1.0, "m", "out-of-plane thickness; of a solid its depth", Range::positive());
-  if (!describe && solid && !is_cloud() && !o.given("-material_thickness"))
+  if (!describe && solid && !is_cloud() && !are_points() && !o.given("-material_thickness"))
     throw UserError("-material_thickness is missing: give the depth of the solid in m");
   elastic.density = o.real("-material_density", 0.0, "kg/m^3", "mass density; needed in time", Range::positive());
   if (!describe && std::isnan(elastic.young))
@@ -186,12 +187,14 @@ void judge(const BoundaryCondition& c)
   for (std::size_t a = 0; a < 3; ++a)
     if (c.displacement[a] && c.velocity[a])
       throw UserError(fmt::format("{0}_velocity holds what {0}_displacement holds already: write free for one", stem));
-  if ((c.holds() || c.traction) && c.on.empty() && !c.box && !c.set)
+  if ((c.holds() || c.traction) && c.on.empty() && !c.box && !c.set && c.of.empty())
     throw UserError(fmt::format("{0}: no place given: name a boundary with {0}_on, or a box with {0}_box (of a cloud: "
                                 "a box or {0}_set)",
                                 stem));
   if (c.set && !is_cloud())
     throw UserError(fmt::format("{0}_set is of the particles of a -pd_cloud: choose by {0}_on or {0}_box", stem));
+  if (!c.of.empty() && !are_points())
+    throw UserError(fmt::format("{0}_of is a body of -mpm_bodies: choose by {0}_on or {0}_box", stem));
   if (c.traction && c.on.empty() && !is_cloud())
     throw UserError(
         fmt::format("{0}_traction needs edges: name their boundary with {0}_on (and cut it with {0}_box)", stem));
@@ -229,6 +232,7 @@ BoundaryCondition read_condition(const std::string& name, bool solid, bool descr
   }
   if (const int set = o.integer(stem + "_set", 0, "of a cloud: only particles of this set"); o.given(stem + "_set"))
     c.set = set;
+  c.of = o.text(stem + "_of", "", "of material points: only this body");
   c.displacement = read_components(o, stem + "_displacement", solid,
                                    "held displacement ux,uy (solid: ,uz) [m]; free leaves a component");
   c.velocity =
@@ -261,27 +265,6 @@ std::vector<BoundaryCondition> read_conditions(bool solid, bool describe)
     conditions.push_back(read_condition(name, solid, describe));
   }
   return conditions;
-}
-
-OutputOptions read_output(const std::string& case_name, bool dynamic)
-{
-  Options o("output");
-  OutputOptions output;
-  output.directory = o.text("-output_dir", "out/" + case_name, "directory for all files");
-  output.fields = o.boolean("-output_fields", false, "write fields.h5 and fields.xdmf for ParaView");
-  output.times =
-      o.reals("-output_times", {}, 0, "s", "in time: fields at the steps nearest to these times", Range::positive());
-  std::ranges::sort(output.times);
-  const int usual = !dynamic ? 1 : output.times.empty() ? 100 : 1000000000;
-  output.interval = o.integer("-output_interval", usual,
-                              "accepted steps between fields (in time: 100, with -output_times none); the last step is "
-                              "always written",
-                              {1.0, 1e9});
-  output.history = o.boolean("-output_history", false, "write history.csv");
-  output.history_interval = o.integer("-output_history_interval", dynamic ? 10 : 1,
-                                      "accepted steps between rows of history.csv (in time: 10)", {1.0, 1e9});
-  output.quiet = o.boolean("-quiet", false, "no progress");
-  return output;
 }
 
 void judge_time(const SceneOptions& s)
@@ -337,6 +320,7 @@ void judge_solid(const SceneOptions& s)
 
 void judge(const SceneOptions& s)
 {
+  if (s.points.any()) return judge_points(s), judge_time(s);
   if (s.pd.seeded) judge_seeds(s);
   if (!s.pd.cloud.empty()) return judge_cloud(s), judge_time(s);
   if (s.solid) judge_solid(s);
@@ -375,12 +359,13 @@ SceneOptions SceneOptions::read(bool describe)
   s.kinematics = static_cast<Kinematics>(
       o.choice("-kinematics", 0, kinematics, "linear; finite strain; the papers' finite bonds with linear elements"));
   try {
-    s.mesh = mesh::MeshOptions::read(!is_cloud());
+    s.mesh = mesh::MeshOptions::read(!is_cloud() && !are_points());
   } catch (const UserError&) {
     if (!describe) throw;
   }
   s.elastic = read_material(describe, s.solid);
   s.pd = read_pd(s.elastic, s.solid, describe);
+  s.points = PointOptions::read(s.elastic, s.solid, describe);
   if (!describe && s.pd.any()) take_required_poisson(s);
   s.scheme = static_cast<couple::Scheme>(
       Options("couple").choice("-couple_scheme", 0, schemes, "how bonds that leave a patch act on elements"));
@@ -391,7 +376,7 @@ SceneOptions SceneOptions::read(bool describe)
   s.time = TimeOptions::read();
   s.layout = LayoutOptions::read();
   s.post = PostOptions::read();
-  s.output = read_output(s.case_name, s.time.dynamic());
+  s.output = OutputOptions::read(s.case_name, s.time.dynamic());
   if (describe) return s;
   refuse_unknown_options();
   judge(s);

@@ -1,6 +1,7 @@
 #include "pdx/app/scene_tables.hpp"
 
 #include "pdx/app/cloud_body.hpp"
+#include "pdx/app/point_body.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/base/fingerprint.hpp"
 #include "pdx/base/gather.hpp"
@@ -50,6 +51,7 @@ std::string lines_of(const Standing& scene)
     const pd::LatticePart<3>& part = *scene.solid->bonds->parts()[0];
     text += "solid = " + line_of<3>(part.lattice(), part.stencil().half.size());
   }
+  if (scene.points) text += fmt::format("points = {}\n", scene.points->description);
   if (scene.cloud) text += fmt::format("cloud = {}\n", scene.cloud->description);
   for (std::size_t p = 0; scene.plan && p < scene.plan->shapes.size(); ++p) {
     const couple::PatchShape& shape = scene.plan->shapes[p];

@@ -15,16 +15,19 @@ void TimeRecorder::built(const Standing& scene)
   d_ = scene.model;
   cracks_ = CrackWatch::make(files_);
   if (!files_.options.output.history) return;
-  std::vector<io::Column> columns{{"step", "-"},
-                                  {"time", "s"},
-                                  {"energy_kinetic_elements", "J"},
-                                  {"energy_kinetic_particles", "J"},
-                                  {"energy_elements", "J"},
-                                  {"energy_bonds", "J"},
-                                  {"energy_interface", "J"},
-                                  {"energy_scheme", "J"},
-                                  {"work", "J"},
-                                  {"energy_residual", "J"}};
+  std::vector<io::Column> columns{{"step", "-"}, {"time", "s"}};
+  if (scene.points)
+    columns.insert(
+        columns.end(),
+        {{"energy_kinetic_points", "J"}, {"energy_points", "J"}, {"energy_contact", "J"}, {"energy_friction", "J"}});
+  else
+    columns.insert(columns.end(), {{"energy_kinetic_elements", "J"},
+                                   {"energy_kinetic_particles", "J"},
+                                   {"energy_elements", "J"},
+                                   {"energy_bonds", "J"},
+                                   {"energy_interface", "J"}});
+  columns.insert(columns.end(), {{"energy_scheme", "J"}, {"work", "J"}, {"energy_residual", "J"}});
+  for (io::Column& column : d_->more_columns()) columns.push_back(std::move(column));
   if (d_->breaker) columns.insert(columns.end(), {{"energy_fracture", "J"}, {"bonds_broken", "-"}});
   if (cracks_) CrackWatch::columns(columns);
   files_.add_layout_columns(columns);
@@ -78,10 +81,11 @@ MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
   e.initial = driver.clock().initial;
   e.converted = converted_;
   const pd::Broken broken = d_->breaker ? d_->breaker->mine() : pd::Broken{};
-  double sums[] = {e.stored.elements, e.stored.bonds, e.stored.interface, broken.energy, driver.moving().work()};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, files_.comm());
-  e.stored = {sums[0], sums[1], sums[2], sums[3]};
-  e.work = sums[4];
+  double sums[] = {e.stored.elements, e.stored.bonds,   e.stored.interface, broken.energy,
+                   e.stored.points,   e.stored.contact, e.stored.friction,  driver.moving().work()};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 8, MPI_DOUBLE, MPI_SUM, files_.comm());
+  e.stored = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6]};
+  e.work = sums[7];
   e.kinetic_particles = kinetic.particles;
   e.kinetic_elements = kinetic.moving - kinetic.particles;
   return e;
@@ -123,16 +127,14 @@ void TimeRecorder::take_notes(const Notes& notes)
 
 void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEnergies& e)
 {
-  std::vector<double> row{static_cast<double>(driver.step()),
-                          driver.time(),
-                          e.kinetic_elements,
-                          e.kinetic_particles,
-                          e.stored.elements,
-                          e.stored.bonds,
-                          e.stored.interface,
-                          e.scheme,
-                          e.work,
-                          e.residual()};
+  std::vector<double> row{static_cast<double>(driver.step()), driver.time()};
+  if (files_.scene.points)
+    row.insert(row.end(), {e.kinetic(), e.stored.points, e.stored.contact, e.stored.friction});
+  else
+    row.insert(row.end(),
+               {e.kinetic_elements, e.kinetic_particles, e.stored.elements, e.stored.bonds, e.stored.interface});
+  row.insert(row.end(), {e.scheme, e.work, e.residual()});
+  d_->add_more(driver.local(), driver.v(), row);
   if (d_->breaker) row.insert(row.end(), {e.stored.dissipated, static_cast<double>(broken_.bonds)});
   if (cracks_) cracks_->row(row);
   files_.add_layout_row(row, converted_);
@@ -194,6 +196,11 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
   results["external_work"] = e.work;
   results["initial_energy"] = e.initial;
   files_.add_layout_results(e.converted, e.initial + e.work);
+  if (files_.scene.points) {
+    results["strain_energy_points"] = e.stored.points;
+    results["strain_energy_contact"] = e.stored.contact;
+    results["friction_energy"] = e.stored.friction;
+  }
   write_tiles();
   if (d_->breaker) {
     results["fracture_energy"] = e.stored.dissipated;
@@ -203,6 +210,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
     cracks_->write_results(results);
     cracks_->write_paths();
   }
+  d_->add_results(driver.local(), driver.v(), results);
   if (largest_energy_ > 0.0) {
     results["energy_drift_ratio"] = largest_residual_ / largest_energy_;
     if (files_.summary.unknowns.pd > 0)

@@ -136,9 +136,9 @@ Costs by_place(const CellCost& cost)
   };
 }
 
-Costs by_number(const MeasuredCosts& measured)
+Costs by_number(MeasuredCosts measured)
 {
-  return [&measured](const MeshArrays& serial) {
+  return [measured = std::move(measured)](const MeshArrays& serial) {
     std::vector<int> costs;
     for (const Index number : serial.natural_cell)
       costs.push_back(measured.of_cell.at(static_cast<std::size_t>(number)));
@@ -298,6 +298,8 @@ Mesh cut_and_flatten(MPI_Comm comm, const MeshOptions& given, const char* type, 
 
 Mesh build(MPI_Comm comm, const MeshOptions& options, const CellCost& cost)
 {
+  if (options.list && !options.list->costs.empty())
+    return cut_and_flatten(comm, options, partitioner_type(), by_number({options.list->costs}));
   return cut_and_flatten(comm, options, partitioner_type(), by_place(cost));
 }
 

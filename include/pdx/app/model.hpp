@@ -3,10 +3,12 @@
 #include "pdx/couple/step_breaker.hpp"
 #include "pdx/field/output_field.hpp"
 #include "pdx/field/system.hpp"
+#include "pdx/io/curve.hpp"
 #include "pdx/pd/particles.hpp"
 #include "pdx/post/energy_ledger.hpp"
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <set>
 
 namespace pdx::app {
@@ -41,6 +43,28 @@ struct Model {
     std::int64_t computed = 0, skipped = 0;
   };
   virtual Tiles tiles() const = 0;
+
+  /// What history.csv and the results say of this kind of scene besides. @param local displacement, with its halo [m]
+  /// @param velocity of owned components [m/s]   The last two are collective.
+  ///@{
+  virtual std::vector<io::Column> more_columns() const { return {}; }
+  virtual void add_more(std::span<const double> local, std::span<const double> velocity, std::vector<double>& row) const
+  {
+    (void)local, (void)velocity, (void)row;
+  }
+  virtual void add_results(std::span<const double> local, std::span<const double> velocity,
+                           nlohmann::ordered_json& results) const
+  {
+    (void)local, (void)velocity, (void)results;
+  }
+  ///@}
+
+  /// Sums since the start that this kind of scene keeps, this rank's part, and the way back: ranks may be others, if
+  /// all are added up.
+  ///@{
+  virtual std::vector<double> rank_sums() const { return {}; }
+  virtual void resume_sums(std::span<const double> sums) const { (void)sums; }
+  ///@}
 };
 
 /// The cracks that are there from the start. Throws UserError for one that is nowhere in the body.

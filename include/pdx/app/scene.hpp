@@ -50,4 +50,6 @@ SceneMaker plane_scene(MPI_Comm comm, const SceneOptions& options);
 SceneMaker solid_scene(MPI_Comm comm, const SceneOptions& options);
 /// Reads the file and moves cloud and options into its frame. Collective.
 SceneMaker cloud_scene(MPI_Comm comm, SceneOptions& options);
+/// Fills the bodies of material points and moves the options into their frame. Collective.
+SceneMaker point_scene(MPI_Comm comm, SceneOptions& options);
 } // namespace pdx::app

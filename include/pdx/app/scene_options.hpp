@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/app/fracture_options.hpp"
+#include "pdx/app/point_options.hpp"
 #include "pdx/app/time_options.hpp"
 #include "pdx/base/options.hpp"
 #include "pdx/couple/schemes.hpp"
@@ -25,6 +26,7 @@ struct BoundaryCondition {
   std::string on;                                    ///< boundary of the mesh, "" if chosen by a box alone
   std::optional<geom::Box<2>> box;                   ///< only what lies in it [m]
   std::optional<Index> set;                          ///< only particles of it; clouds only
+  std::string of;                                    ///< only a body of material points, "" for all
   std::array<std::optional<double>, 3> displacement; ///< held components [m]
   std::array<std::optional<double>, 3> velocity;     ///< the same, moved in time [m/s]
   std::optional<Vector<3>> initial_velocity;         ///< free afterwards [m/s]
@@ -65,6 +67,8 @@ struct OutputOptions {
   int interval = 1;          ///< accepted steps from one set of fields to the next; the last is always written
   std::vector<double> times; ///< fields at the steps nearest to them as well, ascending [s]
   int history_interval = 1;  ///< steps from one row of history.csv, and one look at the energies, to the next
+
+  static OutputOptions read(const std::string& case_name, bool dynamic);
 };
 
 /// All that a user may say about a scene; read once, judged once, refused not mended.
@@ -76,6 +80,7 @@ struct SceneOptions {
   bool solid = false; ///< in space: the body in the plane, extruded by the thickness
   Kinematics kinematics = Kinematics::small;
   PdOptions pd;
+  PointOptions points;
   couple::Scheme scheme = couple::Scheme::energy;
   CrackOptions cracks;
   FractureOptions fracture;

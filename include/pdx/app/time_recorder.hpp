@@ -17,12 +17,12 @@ struct MotionEnergies {
   double work = 0.0, initial = 0.0;
   double converted = 0.0; ///< what changes of layout added; below 0: took
 
-  double total() const { return kinetic() - scheme + stored.elastic() + stored.dissipated; }
+  double total() const { return kinetic() - scheme + stored.elastic() + stored.taken(); }
   double kinetic() const { return kinetic_elements + kinetic_particles; }
   /// What came in and is nowhere: 0 to rounding in a linear scene.
   double residual() const
   {
-    return initial + work + converted - kinetic() + scheme - stored.elastic() - stored.dissipated;
+    return initial + work + converted - kinetic() + scheme - stored.elastic() - stored.taken();
   }
 };
 

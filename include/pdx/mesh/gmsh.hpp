@@ -5,7 +5,7 @@
 #include <vector>
 
 namespace pdx::mesh {
-/// Four-node cells as a file gives them.
+/// Four-node cells as a file or a program gives them.
 struct CellList {
   struct Edge {
     std::array<Index, 2> vertices;
@@ -15,6 +15,7 @@ struct CellList {
   std::vector<std::array<Index, 4>> cells; ///< counter-clockwise, convex
   std::vector<std::string> boundaries;     ///< names
   std::vector<Edge> edges;                 ///< of the outer boundary; one entry for every name an edge has
+  std::vector<int> costs;                  ///< of cells, above 0; none: as who builds the mesh says
 };
 
 /// Reads a Gmsh file (2.2 or 4.1, text or binary) of four-node cells in a plane z = constant. Physical curves name the

@@ -8,10 +8,12 @@ namespace pdx::post {
 struct Energies {
   double elements = 0.0, bonds = 0.0, interface = 0.0; ///< elastic: FE, lattice bonds, carried bonds
   double dissipated = 0.0;                             ///< by broken bonds so far
+  double points = 0.0;                                 ///< elastic: material points
   double contact = 0.0;                                ///< between bodies that touch; elastic too
   double friction = 0.0;                               ///< taken by it so far
 
-  double elastic() const { return elements + bonds + interface + contact; }
+  double elastic() const { return elements + bonds + interface + points + contact; }
+  double taken() const { return dissipated + friction; } ///< for good
 };
 
 /// The books after a step. [J]

@@ -1,0 +1,94 @@
+#pragma once
+#include "pdx/app/model.hpp"
+#include "pdx/app/point_plan.hpp"
+#include "pdx/couple/contact_term.hpp"
+#include "pdx/field/output_field.hpp"
+#include "pdx/field/row_name.hpp"
+#include "pdx/mpm/point_term.hpp"
+
+namespace pdx::app {
+/// Bodies of material points, in the plane or in space: rows, Terms and conditions, ready to be stepped.
+struct PointModel : Model {
+  std::string description;                ///< that a checkpoint of the same bodies shares
+  std::vector<field::RowName> node_names; ///< of the owned rows
+  std::int64_t points = 0;                ///< of all ranks
+
+  /// Fields of the owned points. @param local displacement [owned | halo] [m]   @param velocity likewise [m/s]
+  virtual field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const = 0;
+  /// The same at a vector of displacements. Collective. @param velocity of owned components [m/s]
+  std::vector<field::OutputBlock> blocks(Vec u, std::span<const double> velocity) const;
+  Tiles tiles() const override { return {}; }
+};
+
+/// How the bodies of a plan stand in the rows of a mesh, as one rank sees it.
+template <int Dim> struct PointRows {
+  /// A cell of a body's grid with points in it, and the global rows of its corners, x fastest.
+  struct Cell {
+    Index body = 0;
+    Site<Dim> at{};
+    std::array<PetscInt, (1U << Dim)> rows{};
+  };
+  std::vector<Cell> cells; ///< over local cells of the mesh, those of owned ones first
+  std::size_t owned = 0;   ///< how many these are
+  /// Of the owned rows.
+  ///@{
+  std::vector<Index> body;
+  std::vector<Vector<Dim>> place; ///< in the reference state [m]
+  std::vector<field::RowName> names;
+  ///@}
+  field::Rows rows;
+
+  /// Collective.
+  PointRows(const PointPlan<Dim>& plan, const mesh::Mesh& mesh);
+};
+
+} // namespace pdx::app
+namespace pdx::couple {
+class ContactBooks;
+}
+
+namespace pdx::app {
+template <int Dim> struct PointBody final : PointModel {
+  PointBody(const PointPlan<Dim>& filled, const mesh::Mesh& mesh) : plan(filled), grid(filled, mesh) {}
+
+  const PointPlan<Dim>& plan; ///< outlives this
+  PointRows<Dim> grid;
+  std::vector<Vector<Dim>> centre, velocity, momentum; ///< of each body at the start [m], [m/s], [kg m/s]
+  std::vector<Vector<3>> spin;                         ///< likewise [1/s]
+  Vector<Dim> middle = Vector<Dim>::Zero();            ///< centre of mass of all at the start [m]
+  std::vector<double> mass;                            ///< of the owned rows [kg]
+  mpm::PointTerm<Dim>* term = nullptr;                 ///< borrowed from system.terms
+  couple::ContactTerm<Dim>* contact = nullptr;         ///< likewise; null where nothing touches
+  couple::ContactBooks* books = nullptr;               ///< of it; borrowed from system.after_step
+
+  post::Energies energies(std::span<const double> local) const override;
+  field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const override;
+  std::vector<io::Column> more_columns() const override;
+  void add_more(std::span<const double> local, std::span<const double> velocity,
+                std::vector<double>& row) const override;
+  void add_results(std::span<const double> local, std::span<const double> velocity,
+                   nlohmann::ordered_json& results) const override;
+
+  std::vector<double> rank_sums() const override;
+  void resume_sums(std::span<const double> sums) const override;
+
+private:
+  struct Sums;
+  Sums sums(std::span<const double> local, std::span<const double> velocity) const;
+};
+
+/// Collective. Throws UserError for conditions that are nowhere.
+/// @param plan outlives the body
+template <int Dim>
+std::unique_ptr<PointBody<Dim>> discretise(const SceneOptions& options, const PointPlan<Dim>& plan,
+                                           const mesh::Mesh& mesh);
+
+/// Adds the Term of contact between two bodies or more, if they may touch. Collective. Throws UserError for bodies that
+/// overlap.
+template <int Dim> void add_contact(const SceneOptions& options, PointBody<Dim>& body);
+
+/// Turns the boundary conditions into prescribed components and loads of `body.system`; they act on nodes of the grids
+/// that lie on a side or in a box, which reaches through space, and loads on the points there or all. Collective.
+/// Throws UserError for a place that selects nothing, and for a side that lies within cells.
+template <int Dim> void apply_conditions(const SceneOptions& options, PointBody<Dim>& body);
+} // namespace pdx::app

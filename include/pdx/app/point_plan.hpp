@@ -1,0 +1,28 @@
+#pragma once
+#include "pdx/app/scene_options.hpp"
+#include "pdx/mpm/body.hpp"
+
+namespace pdx::app {
+/// Bodies of material points, and how their grids stand in the mesh: a cell of the mesh is a column of grid cells along
+/// z (in the plane: one), a vertex a column of nodes. Each body has cells and vertices of its own. Alike on every rank.
+template <int Dim> struct PointPlan {
+  std::vector<mpm::Body<Dim>> bodies;
+  /// A column of cells, or of nodes, that holds or touches points.
+  struct Column {
+    Index body = 0;
+    std::array<Index, 2> at{}; ///< place in the body's grid
+  };
+  std::vector<Column> cells; ///< by natural number: body by body, x fastest
+  std::vector<Column> nodes; ///< likewise
+  mesh::MeshOptions mesh;    ///< of these cells, with a cost each: its points
+
+  /// Layers along z with points, of a column of cells; with nodes, of one of nodes. Ascending; in the plane 0 alone.
+  std::vector<Index> cell_layers(const Column& column) const;
+  std::vector<Index> node_layers(const Column& column) const;
+  std::int64_t count() const; ///< of all points
+};
+
+/// Fills the bodies, and moves the options into the frame around them. Throws UserError for a shape that a spacing does
+/// not fit or that holds no point, and for a file that is no lattice.
+template <int Dim> PointPlan<Dim> plan_points(SceneOptions& options);
+} // namespace pdx::app
