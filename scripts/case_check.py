@@ -5,6 +5,8 @@ import pathlib
 import subprocess
 import tempfile
 
+import fields
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 
 
@@ -27,6 +29,27 @@ class Check:
     def expect_near(self, name, found, expected, tolerance):
         gap = abs(found / expected - 1.0)
         self.expect(gap <= tolerance, f"{name} {found:.9g} against {expected:.9g}: off by {gap:.1e} of it")
+
+    def expect_between(self, name, found, lower, upper):
+        self.expect(lower <= found <= upper, f"{name} {found:.6g}, wanted {lower:g} to {upper:g}")
+
+    def books(self, run, momentum=None, drift=None):
+        """Results and history of a run, after a look at what may be lost of momentum and energy."""
+        results = fields.read_summary(run)["results"]
+        for name, most in (("momentum_error_ratio", momentum), ("energy_drift_ratio", drift)):
+            if most is not None:
+                self.expect_between(name, results[name], 0.0, most)
+        return results, fields.read_history(run)
+
+    def expect_alike(self, variant, names, tolerance):
+        """Results of these names are the same on 1, 2 and 3 ranks."""
+        runs = [self.run(variant, ranks) for ranks in (1, 2, 3)]
+        if None in runs:
+            return
+        values = [fields.read_summary(run[0])["results"] for run in runs]
+        for ranks, value in zip((2, 3), values[1:]):
+            for name in names:
+                self.expect_near(f"{ranks} ranks: {name}", value[name], values[0][name], tolerance)
 
     def run(self, variant, ranks=2, options=(), name=None):
         """Runs cases/CASE/VARIANT.opts; its output directory and what it said on standard error, or None if it

@@ -293,11 +293,8 @@ std::vector<field::OutputBlock> PointModel::blocks(Vec u, std::span<const double
   return {block(local, all)};
 }
 
-#define PDX_INSTANTIATE(Dim)                                                                                           \
-  template struct PointBody<Dim>;                                                                                      \
-  template std::unique_ptr<PointBody<Dim>> discretise<Dim>(const SceneOptions&, const PointPlan<Dim>&,                 \
-                                                           const mesh::Mesh&)
-PDX_INSTANTIATE(2);
-PDX_INSTANTIATE(3);
-#undef PDX_INSTANTIATE
+template struct PointBody<2>;
+template struct PointBody<3>;
+template std::unique_ptr<PointBody<2>> discretise<2>(const SceneOptions&, const PointPlan<2>&, const mesh::Mesh&);
+template std::unique_ptr<PointBody<3>> discretise<3>(const SceneOptions&, const PointPlan<3>&, const mesh::Mesh&);
 } // namespace pdx::app

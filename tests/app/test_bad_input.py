@@ -56,6 +56,21 @@ SOLID = {key: value for key, value in PLATE.items() if not key.startswith("-bc_"
     "-bc_left_on": "left",
     "-bc_left_velocity": "1,free,0",
 }
+# Two boxes of points, apart.
+BODIES = {key: value for key, value in PLATE.items() if not key.startswith(("-bc_", "-mesh_"))} | {
+    "-material_density": "1000",
+    "-analysis": "explicit",
+    "-ts_max_steps": "3",
+    "-mpm_bodies": "one,two",
+    "-mpm_spacing": "0.1",
+    "-mpm_one_box": "0,0,0.8,0.4",
+    "-mpm_one_velocity": "1,0",
+    "-mpm_two_box": "1,0,1.8,0.4",
+    "-bc_names": "left",
+    "-bc_left_of": "one",
+    "-bc_left_on": "left",
+    "-bc_left_displacement": "0,0",
+}
 # 10 x 8 particles 0.1 m apart from a file, those of the left column in set 1; moved at the left, pulled at the top.
 CLOUD = {key: value for key, value in PLATE.items() if not key.startswith(("-bc_", "-mesh_"))} | {
     "-pd_cloud": "{dir}/good.csv",
@@ -127,7 +142,7 @@ def on(base):
     return lambda name, pattern, **change: Case(name, {f"-{key}": value for key, value in change.items()}, pattern, base)
 
 
-plate, patch, solid = map(on, (PLATE, PATCH, SOLID))
+plate, patch, solid, points = map(on, (PLATE, PATCH, SOLID, BODIES))
 
 
 def cloud(name, pattern, **change):
@@ -442,6 +457,34 @@ CASES = [
           material_poisson="0.25", material_thickness="1", pd_cloud="{dir}/space.csv"),
     cloud("crack outside a cloud", r"crack 1\b.*no part of it is in the body", crack_names="a",
           crack_a_points="5,5,6,6"),
+    # --- material points
+    points("points without a spacing", r"-mpm_spacing is missing\b.*-mpm_one_spacing", mpm_spacing=None),
+    points("points without a density", r"-mpm_one_density is missing\b.*-material_density", material_density=None),
+    points("body without a shape", r"-mpm_two: .*one shape.*-mpm_two_box", mpm_two_box=None),
+    points("body of two shapes", r"-mpm_two: .*one shape.*-mpm_two_box and -mpm_two_disc", mpm_two_disc="0,0,1"),
+    points("box upside down", r"-mpm_two_box\b.*lower corner", mpm_two_box="1.8,0,1,0.4"),
+    points("box that a spacing does not fit", r"-mpm_one: the side along x is 0\.8\b.*nearest.*0\.2666666667", mpm_one_spacing="0.3"),
+    points("disc without a radius", r"-mpm_two_disc\b.*above 0", mpm_two_box=None, mpm_two_disc="3,3,0"),
+    points("disc too small for a point", r"body two: no point lies", mpm_two_box=None, mpm_two_disc="3,3,0.01"),
+    points("bodies that overlap", r"one\b.*two\b.*overlap|overlap.*one\b.*two\b", mpm_two_box="0.6,0,1.4,0.4"),
+    points("two bodies of one name", r"-mpm_bodies lists one twice", mpm_bodies="one,one"),
+    points("sphere in the plane", r"-mpm_two_sphere\b.*-mpm_two_disc|-mpm_two_sphere.*_disc", mpm_two_box=None,
+           mpm_two_sphere="3,3,0,1"),
+    points("polygon of two corners", r"-mpm_two_polygon\b.*three corners", mpm_two_box=None, mpm_two_polygon="1,0,2,0"),
+    points("condition on a body that is not there", r"-bc_left_of is three\b.*bodies are one, two", bc_left_of="three"),
+    points("points in equilibrium", r"material points move\b.*-analysis explicit", analysis=None, ts_max_steps=None),
+    points("points beside a patch", r"-pd_patches\b.*-mpm_bodies", pd_patches="all", pd_spacing="0.1"),
+    points("point force on points", r"-bc_left_force\b.*-bc_left_body", bc_left_force="1,0", bc_left_at="0,0"),
+    points("side that points have not", r"-bc_left_on\b.*lefft.*left.*top", bc_left_on="lefft"),
+    points("held side within a cell", r"-bc_left_on is right\b.*within a cell.*whole number", mpm_one_box="0,0,0.7,0.4",
+           bc_left_on="right"),
+    points("box beside points", r"-bc_left_box\b.*no node", bc_left_on=None, bc_left_box="7,7,8,8"),
+    points("stiffness without contact", r"-contact_stiffness\b.*-contact none", contact="none", contact_stiffness="1e9"),
+    points("friction and a checkpoint", r"-contact_friction\b.*checkpoints", contact_friction="0.3", checkpoint_interval="2"),
+    points("points of a file off their lattice", r"-mpm_two_file\b.*point 1\b.*0\.07 m", mpm_two_box=None, mpm_two_file="{dir}/good.csv",
+           mpm_two_spacing="0.07"),
+    plate("spacing of points that are not there", r"-mpm_spacing\b.*-mpm_bodies", mpm_spacing="0.1"),
+    plate("contact of points that are not there", r"-contact\b.*-mpm_bodies", contact="penalty"),
     # --- files
     plate("missing options file", r"nowhere\.opts", options_file="{dir}/nowhere.opts"),
     plate("options file that names itself", r"circle\.opts.*circle", options_file="{dir}/circle.opts"),
@@ -468,6 +511,8 @@ GOOD = [
     Case("a cloud in space", {"-pd_cloud": "{dir}/space.csv", "-material_plane": "solid", "-material_poisson": "0.25",
                               "-bc_left_set": None, "-bc_left_box": "0,0,0.1,1", "-bc_left_velocity": "1,free,0",
                               "-bc_top_force": "0,1e5,3"}, "", CLOUD),
+    Case("two bodies of points", {}, "", BODIES),
+    Case("bodies of points in touch", {"-mpm_two_box": "0.8,0,1.6,0.4"}, "", BODIES),
     Case("traction and displacement on one boundary", {"-bc_left_traction": "0,1e5"}, "", PLATE),
 ]
 

@@ -1,0 +1,96 @@
+"""Material points: flight, spin, clamped and loaded bodies, ranks, restarts, in the plane and in space.
+
+Usage: test_points.py PDXSOLVE [unittest arguments]; environment as for test_bad_input.py.
+"""
+
+import math
+
+import numpy as np
+import program
+
+import fields
+
+SOFT = {
+    "-case": "points",
+    "-analysis": "explicit",
+    "-material_young": "1e6",
+    "-material_poisson": "0.25",
+    "-material_density": "1000",
+    "-mpm_spacing": "1e-3",
+    "-output_history": "",
+    "-output_history_interval": "1",
+    "-quiet": "",
+}
+DISC = SOFT | {"-mpm_bodies": "disc", "-mpm_disc_disc": "0.3,0.2,0.01", "-mpm_disc_velocity": "3,-1", "-ts_max_steps": "200"}
+BALL = SOFT | {"-material_plane": "solid", "-mpm_bodies": "ball", "-mpm_ball_sphere": "0,0,0,0.008",
+               "-mpm_ball_velocity": "1,2,3", "-ts_max_steps": "60"}
+# A bar of 20 x 4 cells, held at its left end and pulled at its right one: in the end stretched as the closed form says.
+BAR = SOFT | {"-material_poisson": "0", "-mpm_bodies": "bar", "-mpm_bar_box": "0,0,0.04,0.008", "-bc_names": "left,right",
+              "-bc_left_on": "left", "-bc_left_displacement": "0,free", "-bc_right_on": "right", "-bc_right_traction": "1e3,0"}
+SPINNING = DISC | {"-mpm_disc_velocity": None, "-mpm_disc_spin": "200"}
+
+
+class Points(program.ProgramTest):
+    def test_a_body_that_flies_feels_nothing(self):
+        for scene, ranks in ((DISC, 1), (DISC, 2), (BALL, 1), (BALL, 3)):
+            with self.subTest(ranks=ranks, space="-material_plane" in scene):
+                run = self.solve(scene, ranks)
+                rows, results = run.history(), run.summary["results"]
+                self.assertLess(results["strain_energy"], 1e-20 * rows[0]["energy_kinetic_points"])
+                self.assertLess(results["momentum_error_ratio"], 1e-13)
+                self.assertEqual(run.summary["unknowns"]["mpm"], results["material_points"])
+                self.assertFalse([name for name in run.events if name.startswith(("pd_", "bond_", "element_"))])
+
+    def test_a_disc_that_spins_keeps_energy_and_angular_momentum(self):
+        for ranks in (1, 2):
+            rows = self.solve(SPINNING | {"-ts_max_steps": "2000", "-output_history_interval": "20"}, ranks).history()
+            angular = [row["angular_momentum_z"] for row in rows]
+            begin = rows[0]["energy_kinetic_points"]
+            self.assertLess(max(abs(row["energy_residual"]) for row in rows), 2e-4 * begin)
+            self.assertLess(max(abs(a / angular[0] - 1.0) for a in angular), 1e-13)
+
+    def test_a_bar_is_stretched_as_far_as_it_should_be(self):
+        # Pulled suddenly, its end moves to twice the static stretch and back: c = sqrt(E / rho), period 4 L / c.
+        period = 4 * 0.04 / math.sqrt(1e6 / 1e3)
+        for ranks in (1, 2):
+            run = self.solve(BAR | {"-ts_max_time": str(period / 2), "-output_fields": "", "-output_interval": "100000"}, ranks)
+            block = fields.read_step(run.directory)[1]["points"]
+            ends = block.points[:, 0] > 0.039
+            self.assertAlmostEqual(np.mean(block["displacement"][ends, 0]) / (2 * 1e-3 * 0.0395), 1.0, delta=0.02)
+            pulled = run.summary["results"]["external_work"]
+            self.assertAlmostEqual(pulled / (1e3 * 0.008 * 2 * 1e-3 * 0.04), 1.0, delta=0.02)
+
+    def test_ranks_move_points_alike(self):
+        for scene in (SPINNING | {"-output_fields": ""}, BALL | {"-mpm_ball_spin": "50,100,0", "-output_fields": ""}):
+            one = self.solve(scene)
+            for ranks in (2, 3):
+                other = self.solve(scene, ranks)
+                self.assert_same_displacement(one, other, 1e-10)
+
+    def test_a_restart_goes_on_to_the_last_bit(self):
+        for ranks in (1, 2):
+            whole = self.solve(SPINNING, ranks)
+            directory = self.scratch / f"half_{ranks}"
+            self.solve(SPINNING | {"-ts_max_steps": "100", "-checkpoint_interval": "100"}, ranks, directory)
+            rest = self.solve(SPINNING | {"-restart": str(directory / "checkpoint.h5")}, ranks, directory)
+            self.assertEqual(whole.history(), rest.history())
+
+    def test_a_restart_knows_its_bodies(self):
+        directory = self.scratch / "other"
+        self.solve(SPINNING | {"-ts_max_steps": "10", "-checkpoint_interval": "10"}, directory=directory)
+        run = self.launch(SPINNING | {"-mpm_disc_disc": "0.3,0.2,0.011", "-restart": str(directory / "checkpoint.h5")})
+        self.assertEqual(run.status, 1)
+        self.assertEqual(len(run.err.splitlines()), 1)
+
+    def test_points_of_a_file_are_those_of_the_box(self):
+        file = self.scratch / "bar.csv"
+        places = [((i + 0.5) * 1e-3, (j + 0.5) * 1e-3) for j in range(8) for i in range(40)]
+        file.write_text("x,y,volume\n" + "".join(f"{x:.17g},{y:.17g},1e-6\n" for x, y in places), encoding="utf-8")
+        box, read = (self.solve(scene | {"-ts_max_steps": "50"})
+                     for scene in (BAR, BAR | {"-mpm_bar_box": None, "-mpm_bar_file": str(file)}))
+        for a, b in zip(box.history(), read.history(), strict=True):
+            self.assertAlmostEqual(a["energy_points"], b["energy_points"], delta=1e-12 * abs(a["energy_points"]))
+
+
+if __name__ == "__main__":
+    program.main()
