@@ -247,7 +247,12 @@ void judge_points(const SceneOptions& s)
     if (o.given(name))
       throw UserError(
           fmt::format("{} cannot stand beside -mpm_bodies yet: material points stand alone; drop it", name));
+  if (s.points.formulation == Formulation::updated)
+    throw UserError("-mpm_formulation updated is not in this version yet: give total, or none");
   if (!s.time.dynamic()) throw UserError("material points move: give -analysis explicit or implicit");
+  if (s.time.analysis == Analysis::implicit_dynamics && s.points.contact.active && s.points.bodies.size() > 1)
+    throw UserError(
+        "-analysis implicit has no contact between bodies of points: give -analysis explicit, or -contact none");
   if (s.points.contact.friction > 0.0 && s.time.checkpoint.any())
     throw UserError(
         "-contact_friction remembers where points stick, which checkpoints do not hold yet: drop -checkpoint_... "
