@@ -44,7 +44,7 @@ public:
 private:
   std::vector<mesh::BoundaryEdge> edges_of(const BoundaryCondition& c) const
   {
-    const auto* edges = mesh_.boundary(c.on);
+    const auto* edges = mesh_.boundary(c.of.empty() ? c.on : c.of + ":" + c.on);
     if (!edges)
       throw UserError(fmt::format("-bc_{}_on is {}: the mesh has no such boundary; it has {}", c.name, c.on,
                                   fmt::join(mesh_.boundary_names(), ", ")));
@@ -52,6 +52,16 @@ private:
     for (const mesh::BoundaryEdge& e : *edges)
       if (!c.box || (inside(c, mesh_.point(e.vertices[0])) && inside(c, mesh_.point(e.vertices[1])))) kept.push_back(e);
     return kept;
+  }
+
+  /// Is row k, of all that are owned, of the body that a condition is for?
+  bool is_of(const BoundaryCondition& c, std::size_t k) const
+  {
+    return c.of.empty() || d_.body_names.at(static_cast<std::size_t>(d_.body_of_row[k])) == c.of;
+  }
+  bool is_of(const BoundaryCondition& c, const pd::Particle& p) const
+  {
+    return c.of.empty() || d_.body_names.at(static_cast<std::size_t>(mesh_.body(p.cell))) == c.of;
   }
 
   bool inside(const BoundaryCondition& c, const Vector<2>& x) const { return !c.box || c.box->contains(x, near()); }
@@ -109,10 +119,11 @@ private:
       for (const CoveredEdge& e : covered_edges(edges))
         for (const Index row : particles_under(e, c.rows)) rows.insert(row);
     } else {
-      for (const Index v : d_.nodes)
-        if (c.on.empty()) add_node(v, c, acts, rows);
+      for (std::size_t k = 0; k < d_.nodes.size(); ++k)
+        if (c.on.empty() && is_of(c, k)) add_node(d_.nodes[k], c, acts, rows);
       for (std::size_t k = 0; k < d_.particles.size(); ++k)
-        if (c.layer ? in_layer(c, d_.particles[k].x) : inside(c, d_.particles[k].x))
+        if (is_of(c, d_.particles[k]) &&
+            (c.layer ? in_layer(c, d_.particles[k].x) : inside(c, d_.particles[k].x)))
           rows.insert(d_.system.rows.first_particle() + static_cast<Index>(k));
     }
     if (!any_rank(mesh_.comm(), !rows.empty()))
@@ -170,15 +181,40 @@ private:
       reached = reached || inside(c, x);
       return inside(c, x) ? Vector<2>(c.body->head<2>()) : Vector<2>(0.0, 0.0);
     };
-    fem::add_body_force(mesh_, density, options_.elastic.thickness, target());
-    if (d_.sets) xfem::add_body_force(mesh_, *d_.sets, density, options_.elastic.thickness, target());
+    if (c.of.empty() || c.of == kMeshBody) {
+      fem::add_body_force(mesh_, density, options_.elastic.thickness, target());
+      if (d_.sets) xfem::add_body_force(mesh_, *d_.sets, density, options_.elastic.thickness, target());
+    }
+    if (d_.point_plan) weigh_points(c, reached);
     for (std::size_t k = 0; k < d_.particles.size(); ++k) {
+      if (!is_of(c, d_.particles[k])) continue;
       const double dx = plan_.shapes[static_cast<std::size_t>(d_.particles[k].patch)].lattice.dx;
       add(d_.system.rows.first_particle() + static_cast<Index>(k),
           dx * dx * options_.elastic.thickness * density(d_.particles[k].x));
     }
     if (!any_rank(mesh_.comm(), reached))
       throw UserError(fmt::format("-bc_{}_box: nothing lies there for the body force to act on", c.name));
+  }
+
+  /// Material points, each by its volume.
+  void weigh_points(const BoundaryCondition& c, bool& reached)
+  {
+    const PointPlan<2>& plan = *d_.point_plan;
+    for (const Index cell : mesh_.cells(mesh::Use::points)) {
+      const auto& column = plan.cells[static_cast<std::size_t>(mesh_.natural_cell(cell) - plan.first_cell)];
+      const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
+      if (!c.of.empty() && of.name != c.of) continue;
+      const Site<2> at{column.at[0], column.at[1]};
+      mpm::for_each_point(of.points_in(at), [&](int site) {
+        const Vector<2> x = of.place(at, site);
+        if (!inside(c, x)) return;
+        reached = true;
+        const couple::Host host = couple::host_in_cell({mesh_, d_.node_rows, d_.sets.get()}, cell, x);
+        const Vector<2> force = mpm::point_volume<2>(of.material) * c.body->head<2>();
+        for (std::size_t k = 0; k < static_cast<std::size_t>(host.count); ++k)
+          if (d_.system.rows.owns(host.rows[k])) add(host.rows[k] - d_.system.rows.first, host.weights[k] * force);
+      });
+    }
   }
 
   void push(const BoundaryCondition& c)

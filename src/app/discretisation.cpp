@@ -1,9 +1,11 @@
 #include "pdx/app/discretisation.hpp"
 
 #include "pdx/app/apply_conditions.hpp"
+#include "pdx/app/mixed_points.hpp"
 #include "pdx/app/support.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/coarse/coarse_mesh.hpp"
+#include "pdx/couple/contact_books.hpp"
 #include "pdx/couple/seams.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 
@@ -23,14 +25,16 @@ void cut_cells(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& p
 }
 
 /// Nodes that touch an element have a row; those inside a patch have none.
-void number_rows(const mesh::Mesh& mesh, Discretisation& d)
+void number_rows(const mesh::Mesh& mesh, bool with_points, Discretisation& d)
 {
   std::vector<std::uint8_t> active(static_cast<std::size_t>(mesh.vertices()), 0);
-  for (const mesh::Use use : {mesh::Use::plain, mesh::Use::cut})
+  for (const mesh::Use use : {mesh::Use::plain, mesh::Use::cut, mesh::Use::points})
     for (const Index c : mesh.cells(use))
       for (const Index v : mesh.cell(c)) active[static_cast<std::size_t>(v)] = 1;
   for (Index v = 0; v < mesh.owned_vertices(); ++v)
     if (active[static_cast<std::size_t>(v)]) d.nodes.push_back(v);
+  if (with_points) // rows of a line of the grid follow each other
+    std::ranges::sort(d.nodes, {}, [&mesh](Index v) { return mesh.natural_vertex(v); });
   field::System& system = d.system;
   system.rows = field::Rows::number(mesh.comm(), 2, static_cast<Index>(d.nodes.size()), d.sets ? d.sets->owned() : 0,
                                     static_cast<Index>(d.particles.size()));
@@ -152,7 +156,7 @@ void add_fracture(const SceneOptions& options, const PatchPlan& plan, Discretisa
 /// Meshes from a file may be parted where a patch lies.
 crack::CrackSet seams_of(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan)
 {
-  if (options.mesh.file.empty()) return {};
+  if (options.mesh.file.empty() || options.points.any()) return {};
   double reach = 0.0;
   for (const auto& stencil : plan.stencils) reach = std::max(reach, static_cast<double>(stencil.reach));
   try {
@@ -175,7 +179,7 @@ void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const
                                           d.seams.empty() ? nullptr : &d.seams);
   refuse_coarse_patches(options, plan, d);
   auto parts = make_parts(options, plan, d);
-  if (d.elements || d.cut_elements) {
+  if (d.elements || d.cut_elements || d.points) {
     const couple::CouplingOptions coupling{options.scheme,
                                            options.bond_kinematics(),
                                            d.cracks.empty() ? nullptr : &d.cracks,
@@ -212,17 +216,20 @@ void add_elements(const mesh::Mesh& mesh, const SceneOptions& options, Discretis
 } // namespace
 
 std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan,
-                                           std::vector<pd::Particle> particles, bool assembled)
+                                           std::vector<pd::Particle> particles, bool assembled,
+                                           const PointPlan<2>* points)
 {
   auto result = std::make_unique<Discretisation>();
   Discretisation& d = *result;
   d.particles = std::move(particles);
   cut_cells(mesh, options, plan, d);
-  number_rows(mesh, d);
+  number_rows(mesh, points != nullptr, d);
   field::System& system = d.system;
   system.scale = options.elastic.young * options.elastic.thickness;
   add_elements(mesh, options, d);
+  if (points) add_points(mesh, options, plan, *points, d);
   if (!plan.shapes.empty()) add_peridynamics(mesh, options, plan, d, assembled);
+  if (points) add_bodies(mesh, options, d);
   apply_conditions(mesh, options, plan, d);
 
   const std::span<const std::unique_ptr<pd::LatticePart<2>>> parts =
@@ -230,6 +237,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   d.node_field = std::make_unique<couple::NodeField>(mesh, d.node_rows, parts);
   system.bind(d.node_field->needed_rows());
   d.node_field->bind(*system.halo);
+  if (points) keep_books(d);
   if (!options.time.dynamic()) {
     const couple::JoinedModels models{mesh, d.node_rows, d.sets.get(), parts, d.carried};
     d.loose_parts = std::make_unique<couple::LooseParts>(models, system);
@@ -261,6 +269,9 @@ post::Energies Discretisation::energies(std::span<const double> local) const
   if (cut_elements) mine.elements += cut_elements->energy(local);
   if (bonds) mine.bonds = bonds->energy(local);
   if (carried) mine.interface = carried->energy(local);
+  if (points) mine.points = points->energy(local);
+  if (contact) mine.contact = contact->energy(local);
+  if (contact_books) mine.friction = contact_books->dissipated();
   return mine;
 }
 

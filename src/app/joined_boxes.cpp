@@ -69,10 +69,12 @@ std::vector<std::vector<std::size_t>> patches_of_boxes(const SceneOptions& optio
   const std::vector<geom::Box<2>>& boxes = options.pd.patches;
   std::vector<std::size_t> root(boxes.size());
   std::iota(root.begin(), root.end(), 0);
+  const auto body_of = [&](std::size_t p) { return geom::holder(options.points.regions, boxes[p]); };
   for (std::size_t p = 0; p < boxes.size(); ++p) (void)lattice_in<2>(boxes[p], options.pd.spacing_of(p));
   for (std::size_t p = 0; p < boxes.size(); ++p)
     for (std::size_t q = p + 1; q < boxes.size(); ++q) {
       if (!geom::touch(boxes[p], boxes[q], 1e-9 * boxes[p].size().norm())) continue;
+      if (body_of(p) != body_of(q)) continue;
       require_one_lattice(options, p, q);
       const auto [low, high] = std::minmax(root[p], root[q]);
       std::ranges::replace(root, high, low);
@@ -95,6 +97,7 @@ couple::PatchShape join_boxes(const SceneOptions& options, std::span<const std::
   const double dx = options.pd.spacing_of(entries[0]);
   for (const std::size_t p : entries) shape.boxes.push_back(options.pd.patches[p]);
   shape.box = shape.boxes[0];
+  shape.body = geom::holder(options.points.regions, shape.box);
   for (const geom::Box<2>& box : shape.boxes) {
     shape.box.lower = shape.box.lower.cwiseMin(box.lower);
     shape.box.upper = shape.box.upper.cwiseMax(box.upper);

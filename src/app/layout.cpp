@@ -54,7 +54,7 @@ bool are_grown(const std::vector<crack::Polyline>& lines, const crack::CrackSet&
 
 Layout Layout::given(const SceneOptions& options)
 {
-  Layout layout{options.pd.patches, {}, options.cracks.lines, {}};
+  Layout layout{options.pd.patches, {}, options.cracks.lines, {}, options.points.regions};
   for (std::size_t p = 0; p < layout.patches.size(); ++p) {
     layout.spacing.push_back(options.pd.spacing_of(p));
     layout.anchors.push_back({layout.patches[p].lower, layout.spacing[p]});
@@ -75,13 +75,21 @@ SceneOptions Layout::in(SceneOptions options) const
 
 Layout Layout::changed(const adapt::LayoutChange& change) const
 {
-  std::vector<geom::LatticeAnchor> lattices; // in order of patches
+  struct Family {
+    geom::LatticeAnchor lattice;
+    Index body;
+    bool operator==(const Family& other) const
+    {
+      return body == other.body && geom::same_lattice(lattice, other.lattice);
+    }
+  };
+  std::vector<Family> families; // in order of patches
   std::vector<std::vector<geom::Box<2>>> boxes;
-  const auto of = [&](const geom::LatticeAnchor& lattice) -> std::vector<geom::Box<2>>& {
-    const auto known =
-        std::ranges::find_if(lattices, [&](const auto& other) { return geom::same_lattice(lattice, other); });
-    if (known != lattices.end()) return boxes[static_cast<std::size_t>(known - lattices.begin())];
-    lattices.push_back(lattice);
+  const auto of = [&](const geom::Box<2>& box, double dx) -> std::vector<geom::Box<2>>& {
+    const Family family{{box.lower, dx}, geom::holder(regions, box)};
+    const auto known = std::ranges::find(families, family);
+    if (known != families.end()) return boxes[static_cast<std::size_t>(known - families.begin())];
+    families.push_back(family);
     return boxes.emplace_back();
   };
   for (std::size_t p = 0; p < patches.size(); ++p) {
@@ -92,15 +100,15 @@ Layout Layout::changed(const adapt::LayoutChange& change) const
         for (const geom::Box<2>& piece : geom::without(box, hole, kSameSide * spacing[p])) rest.push_back(piece);
       left = std::move(rest);
     }
-    auto& all = of({patches[p].lower, spacing[p]});
+    auto& all = of(patches[p], spacing[p]);
     all.insert(all.end(), left.begin(), left.end());
   }
-  for (const auto& [box, dx] : change.cover) of({box.lower, dx}).push_back(box);
-  Layout next{{}, {}, change.cracks.value_or(cracks), anchors};
+  for (const auto& [box, dx] : change.cover) of(box, dx).push_back(box);
+  Layout next{{}, {}, change.cracks.value_or(cracks), anchors, regions};
   for (std::size_t k = 0; k < boxes.size(); ++k)
-    for (const geom::Box<2>& box : geom::joined(std::move(boxes[k]), kSameSide * lattices[k].spacing)) {
+    for (const geom::Box<2>& box : geom::joined(std::move(boxes[k]), kSameSide * families[k].lattice.spacing)) {
       next.patches.push_back(box);
-      next.spacing.push_back(lattices[k].spacing);
+      next.spacing.push_back(families[k].lattice.spacing);
     }
   return next;
 }
@@ -125,6 +133,7 @@ Layout Layout::read(const io::SealedReader& file, const SceneOptions& options)
   const bool patches_move = options.layout.patches_move();
   Layout layout;
   layout.anchors = given.anchors;
+  layout.regions = given.regions;
   const std::vector<double> boxes = table(file, kPatches, 5), points = table(file, kCracks, 3);
   for (std::size_t k = 0; k < boxes.size(); k += 5) {
     const double* row = boxes.data() + k;

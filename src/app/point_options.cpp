@@ -1,6 +1,7 @@
 #include "pdx/app/point_options.hpp"
 
 #include "pdx/app/scene_options.hpp"
+#include "pdx/app/seeds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -133,16 +134,16 @@ PointBodyOptions read_body(Options& o, const std::string& name, const law::Elast
 void judge_condition(const SceneOptions& s, const BoundaryCondition& c)
 {
   const std::string stem = "-bc_" + c.name;
-  const auto named = [&c](const PointBodyOptions& body) { return body.name == c.of; };
-  if (!c.of.empty() && std::ranges::none_of(s.points.bodies, named)) {
-    std::vector<std::string> names;
-    for (const PointBodyOptions& body : s.points.bodies) names.push_back(body.name);
+  std::vector<std::string> names;
+  for (const PointBodyOptions& body : s.points.bodies) names.push_back(body.name);
+  if (s.mesh.cells[0] > 0 || !s.mesh.file.empty()) names.emplace_back(kMeshBody);
+  if (!c.of.empty() && std::ranges::find(names, c.of) == names.end()) {
     throw UserError(
         fmt::format("{}_of is {}: no body has that name; bodies are {}", stem, c.of, fmt::join(names, ", ")));
   }
-  if (c.force || c.at)
+  if ((c.force || c.at) && !s.mixed())
     throw UserError(fmt::format("{0}_force has no meaning for material points: give {0}_body or {0}_traction", stem));
-  if (c.layer || c.rows != 1 || c.set)
+  if (c.layer || (c.rows != 1 && !s.mixed()) || c.set)
     throw UserError(fmt::format("{0}_{1} is of particles: choose points by {0}_of, {0}_on or {0}_box", stem,
                                 c.layer ? "layer"
                                 : c.set ? "set"
@@ -237,19 +238,53 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
   return points;
 }
 
+namespace {
+/// What has no meaning where material points stand alone, or beside elements and particles.
+void refuse_other_physics(const SceneOptions& s)
+{
+  static constexpr const char* never[] = {"-pd_cloud",         "-post_j_contours", "-post_j_domain",
+                                          "-post_j_centre",    "-post_energy_release", "-post_reference_fe"};
+  static constexpr const char* alone[] = {"-crack_names",     "-material_toughness", "-pd_critical_stretch",
+                                          "-kinematics",      "-xfem_quadrature",    "-adapt",
+                                          "-couple_scheme"};
+  const Options o("mpm");
+  for (const char* name : never)
+    if (o.given(name)) throw UserError(fmt::format("{} cannot stand beside -mpm_bodies: drop one of them", name));
+  if (!s.mixed())
+    for (const char* name : alone)
+      if (o.given(name))
+        throw UserError(fmt::format("{} is of elements and particles, and there are material points only: give "
+                                    "-pd_patches or a mesh too, or drop it",
+                                    name));
+}
+
+/// Points beside elements and particles, in the plane.
+void judge_mixed(const SceneOptions& s)
+{
+  const std::string beside = "bodies of points beside elements or particles";
+  if (s.pd.everywhere)
+    throw UserError("-pd_patches all: a body of points is no box mesh: give the boxes of its cells that are particles");
+  if (s.kinematics == Kinematics::small)
+    throw UserError("-kinematics small: bodies of points turn, and bonds must turn with them: give finite (the default "
+                    "beside points) or mixed");
+  if (s.time.analysis != Analysis::explicit_dynamics) throw UserError(beside + " need -analysis explicit");
+  if (s.scheme != couple::Scheme::energy) throw UserError(beside + " need -couple_scheme energy");
+  if (s.mesh.file.empty() && s.mesh.cells[0] == 0 && s.mesh.box.size().norm() > 0.0)
+    throw UserError("-mesh_cells is missing: give the number of cells nx,ny of the box, or a -mesh_file");
+  for (const PointBodyOptions& body : s.points.bodies)
+    if (body.name == kMeshBody)
+      throw UserError(fmt::format("-mpm_bodies: {} is what elements are called: choose another name", kMeshBody));
+  if (s.pd.seeded) judge_seeds(s);
+}
+} // namespace
+
 void judge_points(const SceneOptions& s)
 {
-  const Options o("mpm");
-  for (const char* name :
-       {"-mesh_file", "-mesh_lower", "-mesh_upper", "-mesh_cells", "-pd_patches", "-pd_cloud", "-crack_names",
-        "-material_toughness", "-pd_critical_stretch", "-kinematics", "-xfem_quadrature", "-adapt", "-adapt_seed",
-        "-couple_scheme", "-post_j_contours", "-post_j_domain", "-post_energy_release"})
-    if (o.given(name))
-      throw UserError(
-          fmt::format("{} cannot stand beside -mpm_bodies yet: material points stand alone; drop it", name));
+  refuse_other_physics(s);
   if (s.points.formulation == Formulation::updated)
     throw UserError("-mpm_formulation updated is not in this version yet: give total, or none");
   if (!s.time.dynamic()) throw UserError("material points move: give -analysis explicit or implicit");
+  if (s.mixed()) judge_mixed(s);
   if (s.time.analysis == Analysis::implicit_dynamics && s.points.contact.active && s.points.bodies.size() > 1)
     throw UserError(
         "-analysis implicit has no contact between bodies of points: give -analysis explicit, or -contact none");

@@ -46,7 +46,9 @@ void run(MPI_Comm comm, double begin)
   for (const std::string& warning : options.warnings) files.warn(warning);
   for (const std::string& note : options.notes) files.progress.line(note);
   try {
-    if (options.points.any())
+    if (options.mixed())
+      run_in_time(files, mixed_scene(comm, options));
+    else if (options.points.any())
       run_in_time(files, point_scene(comm, options));
     else if (!options.pd.cloud.empty())
       run_in_time(files, cloud_scene(comm, options));

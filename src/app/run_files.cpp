@@ -62,6 +62,7 @@ void RunFiles::take_scene(const Standing& standing)
   summary.unknowns.pd = counts[2];
   summary.unknowns.ghost = scene.model->ghosts;
   if (scene.points) summary.unknowns.mpm = scene.points->points;
+  if (scene.d) summary.unknowns.mpm = scene.d->material_points;
   if (scene.d && scene.d->sets) {
     const xfem::CutReport& report = scene.d->sets->report();
     auto& results = summary.results;
@@ -79,8 +80,11 @@ void RunFiles::built(const Standing& standing)
   take_scene(standing);
   const auto& unknowns = summary.unknowns;
   const auto elements = unknowns.fe + unknowns.enriched;
-  const std::string whose = scene.points ? fmt::format("of the grids of {} material points", unknowns.mpm)
-                                         : fmt::format("{} of elements, {} of particles", elements, unknowns.pd);
+  std::string whose = scene.points ? fmt::format("of the grids of {} material points", unknowns.mpm)
+                                   : fmt::format("{} of elements, {} of particles", elements, unknowns.pd);
+  if (scene.d && scene.d->bodies)
+    whose = fmt::format("{} of elements and the grids of {} material points, {} of particles", elements, unknowns.mpm,
+                        unknowns.pd);
   progress.line(fmt::format("{}: {} unknowns ({}), partition cut {} imbalance {:.2f}", options.case_name,
                             elements + unknowns.pd, whose, scene.mesh->quality().cut, scene.mesh->quality().imbalance));
   report_cracks();
@@ -185,6 +189,12 @@ void RunFiles::write_fields(double time, Vec u, const std::vector<double>& relat
     blocks = solid_blocks(options, *scene.solid, u);
   else
     blocks = output_blocks(*scene.mesh, options, *scene.d, u, relative_percent);
+  if (scene.d && scene.d->points) {
+    std::vector<double> local, v;
+    scene.d->system.halo->gather(u, local);
+    scene.d->system.halo->fetch(velocity, 2, v);
+    blocks.push_back(scene.d->point_fields(*scene.mesh, local, v));
+  }
   const Vector<3>& origin = options.frame.origin();
   for (field::OutputBlock& block : blocks)
     for (std::size_t k = 0; k < block.points.size(); ++k) block.points[k] += origin[static_cast<Eigen::Index>(k % 3)];

@@ -1,11 +1,15 @@
 #include "pdx/app/scene.hpp"
 
+#include "pdx/app/mixed_points.hpp"
 #include "pdx/app/particle_warnings.hpp"
 #include "pdx/app/point_body.hpp"
+#include "pdx/app/seeds.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/base/stop_signals.hpp"
 #include "pdx/mesh/gmsh.hpp"
 #include "pdx/solve/stable_step.hpp"
+
+#include <cmath>
 
 namespace pdx::app {
 namespace {
@@ -34,10 +38,12 @@ PatchPlan judged_plan(const SceneOptions& options, mesh::MeshOptions& mesh)
 }
 } // namespace
 
-Ground::Ground(MPI_Comm comm, SceneOptions given, const mesh::MeasuredCosts* costs)
+Ground::Ground(MPI_Comm comm, SceneOptions given, const mesh::MeasuredCosts* costs,
+               std::shared_ptr<const PointPlan<2>> bodies)
     : options(std::move(given)), mesh_options(options.mesh), plan(judged_plan(options, mesh_options)),
-      mesh(cut_mesh(comm, mesh_options, cell_cost(plan), costs)), swarm(comm)
+      mesh(cut_mesh(comm, mesh_options, cell_cost(plan), costs)), swarm(comm), points(std::move(bodies))
 {
+  if (points) deal_cells(*points, mesh);
   stop_if_told(comm);
 }
 
@@ -71,8 +77,9 @@ std::vector<std::string> Ground::warnings() const
 namespace {
 class PlaneScene final : public Scene {
 public:
-  PlaneScene(MPI_Comm comm, SceneOptions options, const mesh::MeasuredCosts* costs)
-      : ground_(comm, std::move(options), costs)
+  PlaneScene(MPI_Comm comm, SceneOptions options, const mesh::MeasuredCosts* costs,
+             std::shared_ptr<const PointPlan<2>> points = nullptr)
+      : ground_(comm, std::move(options), costs, std::move(points))
   {
     ground_.lay_particles();
     build();
@@ -93,7 +100,8 @@ private:
   void build()
   {
     const bool assembled = ground_.options.time.analysis == Analysis::implicit_dynamics;
-    d_ = discretise(ground_.mesh, ground_.options, ground_.plan, std::move(ground_.particles), assembled);
+    d_ = discretise(ground_.mesh, ground_.options, ground_.plan, std::move(ground_.particles), assembled,
+                    ground_.points.get());
     stop_if_told(ground_.mesh.comm());
   }
 
@@ -172,7 +180,7 @@ private:
 
 template <int Dim> SceneMaker point_maker(MPI_Comm comm, SceneOptions& options)
 {
-  auto plan = std::make_shared<PointPlan<Dim>>(plan_points<Dim>(options));
+  auto plan = std::make_shared<PointPlan<Dim>>(plan_points<Dim>(options, std::numeric_limits<double>::infinity()));
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   if (rank) *plan->mesh.list = {}; // a mesh begins on one rank
@@ -214,6 +222,40 @@ SceneMaker solid_scene(MPI_Comm comm, const SceneOptions& options)
 SceneMaker cloud_scene(MPI_Comm comm, SceneOptions& options)
 {
   return options.solid ? cloud_maker<3>(comm, options) : cloud_maker<2>(comm, options);
+}
+
+SceneMaker mixed_scene(MPI_Comm comm, SceneOptions& options)
+{
+  mesh::MeshOptions& mesh = options.mesh;
+  double edge = std::numeric_limits<double>::infinity();
+  if (!mesh.file.empty())
+    edge = mesh::load(comm, mesh);
+  else if (mesh.cells[0] > 0)
+    edge = std::min(mesh.box.size()[0] / mesh.cells[0], mesh.box.size()[1] / mesh.cells[1]);
+  const bool elements = std::isfinite(edge);
+  auto plan = std::make_shared<PointPlan<2>>(plan_points<2>(options, edge));
+  for (const mpm::Body<2>& body : plan->bodies) options.points.regions.push_back(body.around());
+  if (elements) options.points.regions.push_back(mesh.box);
+  Index first[] = {plan->first_cell, plan->first_node}; // a file's are known where it was read
+  MPI_Bcast(first, 2, MPI_INT, 0, comm);
+  plan->first_cell = first[0];
+  plan->first_node = first[1];
+  double corners[] = {plan->mesh.box.lower[0], plan->mesh.box.lower[1], plan->mesh.box.upper[0],
+                      plan->mesh.box.upper[1]};
+  MPI_Bcast(corners, 4, MPI_DOUBLE, 0, comm);
+  plan->mesh.box = {{corners[0], corners[1]}, {corners[2], corners[3]}};
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  if (rank) { // a mesh begins on one rank; all know the names of its boundaries
+    mesh::CellList names;
+    names.boundaries = std::move(plan->mesh.list->boundaries);
+    *plan->mesh.list = std::move(names);
+  }
+  mesh = plan->mesh;
+  if (options.pd.seeded) plant_seeds(comm, options);
+  return [comm, &options, plan](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
+    return std::make_unique<PlaneScene>(comm, layout.in(options), costs, plan);
+  };
 }
 
 SceneMaker point_scene(MPI_Comm comm, SceneOptions& options)

@@ -357,7 +357,8 @@ SceneOptions SceneOptions::read(bool describe)
   (void)o.text("-options_file", "", "file with an option a line: -name value, # begins a comment");
   s.case_name = o.text("-case", "case", "name of the case");
   s.kinematics = static_cast<Kinematics>(
-      o.choice("-kinematics", 0, kinematics, "linear; finite strain; the papers' finite bonds with linear elements"));
+      o.choice("-kinematics", are_points() ? 1 : 0, kinematics,
+               "linear; finite strain; the papers' finite bonds with linear elements; beside material points finite"));
   try {
     s.mesh = mesh::MeshOptions::read(!is_cloud() && !are_points());
   } catch (const UserError&) {
@@ -365,8 +366,8 @@ SceneOptions SceneOptions::read(bool describe)
   }
   s.elastic = read_material(describe, s.solid);
   s.pd = read_pd(s.elastic, s.solid, describe);
-  s.points = PointOptions::read(s.elastic, s.solid, describe);
   if (!describe && s.pd.any()) take_required_poisson(s);
+  s.points = PointOptions::read(s.elastic, s.solid, describe);
   s.scheme = static_cast<couple::Scheme>(
       Options("couple").choice("-couple_scheme", 0, schemes, "how bonds that leave a patch act on elements"));
   s.cracks = CrackOptions::read();

@@ -32,8 +32,8 @@ void Surroundings::find_outside(const ElementView& scene, std::span<const Surrou
   for (const Surroundings& patch : patches) near.push_back(patch.shape_.active.grown(patch.band_));
   for (Index c = 0; c < mesh.owned_cells(); ++c)
     for (std::size_t p = 0; p < patches.size(); ++p) {
-      if (mesh.patch(c) == static_cast<int>(p)) continue;
       const PatchShape& shape = patches[p].shape_;
+      if (mesh.patch(c) == static_cast<int>(p) || mesh.body(c) != shape.body) continue;
       mesh::for_each_site(mesh, c, shape.lattice, patches[p].band_, [&](const Site<2>& site, const Vector<2>& x) {
         if (shape.active.has(site) || !near[p].has(site)) return;
         const bool element = mesh.use(c) != mesh::Use::covered;

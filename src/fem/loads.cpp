@@ -18,7 +18,7 @@ void add_traction(const mesh::Mesh& mesh, std::span<const mesh::BoundaryEdge> ed
                   double thickness, const NodalForces& target)
 {
   for (const mesh::BoundaryEdge& edge : edges) {
-    if (mesh.use(edge.cell) != mesh::Use::plain) continue;
+    if (const mesh::Use use = mesh.use(edge.cell); use != mesh::Use::plain && use != mesh::Use::points) continue;
     const double length = (mesh.point(edge.vertices[1]) - mesh.point(edge.vertices[0])).norm();
     for (const Index v : edge.vertices) add_at(v, 0.5 * length * thickness * traction, target);
   }

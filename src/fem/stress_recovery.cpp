@@ -24,7 +24,7 @@ std::vector<double> nodal_stress(const ElasticBody& body, std::span<const double
   std::vector<double> stress(3 * owned, 0.0);
   std::vector<int> cells(owned, 0);
   for (Index c = 0; c < mesh.cells(); ++c) {
-    if (mesh.use(c) == mesh::Use::cut) continue;
+    if (mesh.use(c) == mesh::Use::cut || mesh.use(c) == mesh::Use::points) continue;
     const auto& vertices = mesh.cell(c);
     ElementVector d;
     for (std::size_t a = 0; a < 4; ++a) {

@@ -14,6 +14,14 @@ bool hold(std::span<const Box<2>> boxes, const Vector<2>& x)
   return std::ranges::any_of(boxes, [&x](const Box<2>& box) { return box.contains(x, 1e-6 * box.size().minCoeff()); });
 }
 
+Index holder(std::span<const Box<2>> boxes, const Box<2>& box)
+{
+  const double near = 1e-6 * box.size().minCoeff();
+  for (std::size_t k = 0; k < boxes.size(); ++k)
+    if (boxes[k].contains(box.lower, near) && boxes[k].contains(box.upper, near)) return static_cast<Index>(k);
+  return 0;
+}
+
 std::vector<Box<2>> without(const Box<2>& box, const Box<2>& hole, double near)
 {
   const Box<2> in{box.lower.cwiseMax(hole.lower), box.upper.cwiseMin(hole.upper)};

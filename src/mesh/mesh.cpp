@@ -14,7 +14,7 @@ MPI_Comm comm_of(const DmHandle& plex)
 
 Mesh::Mesh(DmHandle plex, MeshArrays arrays)
     : comm_(comm_of(plex)), plex_(std::move(plex)), arrays_(std::move(arrays)), use_(arrays_.cells.size(), Use::plain),
-      patch_(arrays_.cells.size(), -1)
+      uncovered_(use_), patch_(arrays_.cells.size(), -1), body_(arrays_.cells.size(), 0)
 {}
 
 std::array<Vector<2>, 4> Mesh::corners(Index c) const
@@ -57,6 +57,13 @@ void Mesh::cut(Index c)
   lists_current_ = false;
 }
 
+void Mesh::set_body(Index c, Index body, bool points)
+{
+  body_[static_cast<std::size_t>(c)] = body;
+  use_[static_cast<std::size_t>(c)] = uncovered_[static_cast<std::size_t>(c)] = points ? Use::points : Use::plain;
+  lists_current_ = false;
+}
+
 std::span<const Index> Mesh::cells(Use wanted) const
 {
   if (!lists_current_) {
@@ -69,7 +76,7 @@ std::span<const Index> Mesh::cells(Use wanted) const
 
 void Mesh::uncover()
 {
-  std::fill(use_.begin(), use_.end(), Use::plain);
+  use_ = uncovered_;
   std::fill(patch_.begin(), patch_.end(), -1);
   lists_current_ = false;
 }

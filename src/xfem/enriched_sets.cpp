@@ -55,7 +55,7 @@ Found find_everything(const mesh::Mesh& mesh, const crack::CrackSet& cracks)
   for (int crack = 0; crack < cracks.size(); ++crack) {
     const crack::Cuts cuts = crack::find_cuts(cracks, crack, {mesh.points(), mesh.all_cells()}, tolerance);
     for (const crack::CutCell& cut : cuts.cells) {
-      if (mesh.use(cut.cell) == mesh::Use::covered) continue;
+      if (mesh.use(cut.cell) == mesh::Use::covered || mesh.use(cut.cell) == mesh::Use::points) continue;
       if (cut.kind == crack::CellKind::through) {
         CellCut& kept = found.cuts.emplace_back(CellCut{cut.cell, crack, {}});
         for (std::size_t a = 0; a < 4; ++a)
@@ -174,7 +174,7 @@ EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, cons
   refuse_ends(mesh, cracks, found.ends, frame);
   std::vector<Index> active;
   for (Index c = 0; c < mesh.cells(); ++c)
-    if (mesh.use(c) != mesh::Use::covered) active.push_back(c);
+    if (mesh.use(c) != mesh::Use::covered && mesh.use(c) != mesh::Use::points) active.push_back(c);
   const MeshView view{mesh.all_cells(), mesh.points(), active};
   const Enrichment enrichment = enrich_together(mesh, view, found.cuts, rule, cracks.size());
   keep_sets(enrichment);

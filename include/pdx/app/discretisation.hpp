@@ -1,7 +1,10 @@
 #pragma once
 #include "pdx/adapt/scene_view.hpp"
+#include "pdx/app/body_books.hpp"
 #include "pdx/app/model.hpp"
+#include "pdx/app/point_output.hpp"
 #include "pdx/app/patches.hpp"
+#include "pdx/couple/contact_term.hpp"
 #include "pdx/couple/fracture.hpp"
 #include "pdx/couple/loose_parts.hpp"
 #include "pdx/couple/node_field.hpp"
@@ -25,16 +28,44 @@ struct Discretisation final : Model {
   std::unique_ptr<couple::LooseParts> loose_parts; ///< null in time, where nothing must be held
   couple::Fracture* fracture = nullptr;            ///< borrowed from system.after; null in time or if nothing can break
   std::int64_t bonds_at_start = 0;                 ///< of all ranks, after the cracks that were given
+
+  /// Of bodies of material points; null or empty where there are none.
+  ///@{
+  const PointPlan<2>* point_plan = nullptr; ///< outlives this
+  const PatchPlan* patch_plan = nullptr;    ///< likewise
+  mpm::PointTerm<2>* points = nullptr;      ///< null too where patches cover them all
+  std::vector<CellOfBody<2>> point_cells;   ///< those of `points`
+  std::int64_t material_points = 0;         ///< of all ranks
+  couple::ContactTerm<2>* contact = nullptr;
+  couple::ContactBooks* contact_books = nullptr;
+  std::vector<std::string> body_names;
+  std::vector<Index> body_of_row; ///< place in `body_names`, of owned rows
+  std::unique_ptr<BodyBooks<2>> bodies;
+  ///@}
   adapt::SceneView view(const mesh::Mesh& mesh) const; ///< there are patches
   post::Energies energies(std::span<const double> local) const override;
   Tiles tiles() const override { return bonds ? Tiles{bonds->tiles_computed(), bonds->tiles_skipped()} : Tiles{}; }
   /// Strain energy density per owned row, bonds that leave their patch included; 0 where no particle is [J/m^3].
   std::vector<double> energy_density(std::span<const double> local) const;
+  /// Fields of the material points that no patch covers. Collective.
+  field::OutputBlock point_fields(const mesh::Mesh& mesh, std::span<const double> local,
+                                  std::span<const double> velocity) const;
+  /// Of the nodes of grids of points, this rank's part; 0 without bodies of points [J].
+  double kinetic_of_points(std::span<const double> velocity) const;
+  std::vector<io::Column> more_columns() const override;
+  void add_more(std::span<const double> local, std::span<const double> velocity,
+                std::vector<double>& row) const override;
+  void add_results(std::span<const double> local, std::span<const double> velocity,
+                   nlohmann::ordered_json& results) const override;
+  std::vector<double> rank_sums() const override;
+  void resume_sums(std::span<const double> sums) const override;
   /// Displacement of every local vertex, 2 each [m]. Collective.
   std::vector<double> vertex_displacement(Vec u) const;
 };
 
 /// Collective. The mesh, its covers included, must outlive the result; its cells are cut by the scene's cracks.
+/// @param points of a mixed scene, whose cells have been dealt (`deal_cells`); null without bodies of points
 std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan,
-                                           std::vector<pd::Particle> particles, bool assembled);
+                                           std::vector<pd::Particle> particles, bool assembled,
+                                           const PointPlan<2>* points = nullptr);
 } // namespace pdx::app

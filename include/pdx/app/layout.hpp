@@ -11,6 +11,7 @@ struct Layout {
   std::vector<double> spacing;       ///< of each [m]
   std::vector<crack::Polyline> cracks;
   std::vector<geom::LatticeAnchor> anchors; ///< of the patches that were given: sites are named by them
+  std::vector<geom::Box<2>> regions;        ///< around bodies, whose patches stay apart; none: there is one body [m]
 
   /// That of the options, settled.
   static Layout given(const SceneOptions& options);

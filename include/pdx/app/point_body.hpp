@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/app/body_books.hpp"
 #include "pdx/app/model.hpp"
 #include "pdx/app/point_plan.hpp"
 #include "pdx/couple/contact_term.hpp"
@@ -53,13 +54,10 @@ template <int Dim> struct PointBody final : PointModel {
 
   const PointPlan<Dim>& plan; ///< outlives this
   PointRows<Dim> grid;
-  std::vector<Vector<Dim>> centre, velocity, momentum; ///< of each body at the start [m], [m/s], [kg m/s]
-  std::vector<Vector<3>> spin;                         ///< likewise [1/s]
-  Vector<Dim> middle = Vector<Dim>::Zero();            ///< centre of mass of all at the start [m]
-  std::vector<double> mass;                            ///< of the owned rows [kg]
-  mpm::PointTerm<Dim>* term = nullptr;                 ///< borrowed from system.terms
-  couple::ContactTerm<Dim>* contact = nullptr;         ///< likewise; null where nothing touches
-  couple::ContactBooks* books = nullptr;               ///< of it; borrowed from system.after_step
+  mpm::PointTerm<Dim>* term = nullptr;         ///< borrowed from system.terms
+  couple::ContactTerm<Dim>* contact = nullptr; ///< likewise; null where nothing touches
+  couple::ContactBooks* books = nullptr;       ///< of it; borrowed from system.after_step
+  std::unique_ptr<BodyBooks<Dim>> bodies;
 
   post::Energies energies(std::span<const double> local) const override;
   field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const override;
@@ -71,10 +69,6 @@ template <int Dim> struct PointBody final : PointModel {
 
   std::vector<double> rank_sums() const override;
   void resume_sums(std::span<const double> sums) const override;
-
-private:
-  struct Sums;
-  Sums sums(std::span<const double> local, std::span<const double> velocity) const;
 };
 
 /// Collective. Throws UserError for conditions that are nowhere.

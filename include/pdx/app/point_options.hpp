@@ -56,6 +56,8 @@ struct PointOptions {
   mpm::Law law = mpm::Law::corotational;
   int ratio = 2; ///< cells of the grid over the spacing of points
   ContactOptions contact;
+  /// Around each body, that of elements last; of a mixed scene, once it is settled [m].
+  std::vector<geom::Box<2>> regions;
 
   bool any() const { return !bodies.empty(); }
   /// @param elastic what bodies are of that say nothing else

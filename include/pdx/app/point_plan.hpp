@@ -14,7 +14,11 @@ template <int Dim> struct PointPlan {
   };
   std::vector<Column> cells; ///< by natural number: body by body, x fastest
   std::vector<Column> nodes; ///< likewise
-  mesh::MeshOptions mesh;    ///< of these cells, with a cost each: its points
+  mesh::MeshOptions mesh;    ///< of these cells, with a cost each: its points; of a mixed scene without costs
+  Index first_cell = 0, first_node = 0; ///< natural numbers of the first of `cells` and `nodes`: elements come before
+
+  /// Number of the body that elements are, after those of points.
+  Index elements() const { return static_cast<Index>(bodies.size()); }
 
   /// Layers along z with points, of a column of cells; with nodes, of one of nodes. Ascending; in the plane 0 alone.
   std::vector<Index> cell_layers(const Column& column) const;
@@ -22,7 +26,10 @@ template <int Dim> struct PointPlan {
   std::int64_t count() const; ///< of all points
 };
 
-/// Fills the bodies, and moves the options into the frame around them. Throws UserError for a shape that a spacing does
-/// not fit or that holds no point, and for a file that is no lattice.
-template <int Dim> PointPlan<Dim> plan_points(SceneOptions& options);
+/// Fills the bodies, and moves the options into the frame around them and the elements, if there are any. In a scene
+/// that is more than points (`SceneOptions::mixed`) `options.mesh` becomes the list of all cells; boundaries are `left`,
+/// `right`, `bottom` and `top` of all bodies, and `NAME:left` ... of each, `mesh:...` those of elements. Throws UserError
+/// for a shape that a spacing does not fit or that holds no point, and for a file that is no lattice.
+/// @param edge shortest side of an element; infinite for none [m]
+template <int Dim> PointPlan<Dim> plan_points(SceneOptions& options, double edge);
 } // namespace pdx::app

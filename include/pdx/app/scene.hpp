@@ -2,6 +2,7 @@
 #include "pdx/adapt/scene_view.hpp"
 #include "pdx/app/layout.hpp"
 #include "pdx/app/patches.hpp"
+#include "pdx/app/point_plan.hpp"
 #include "pdx/app/run_files.hpp"
 #include "pdx/app/time_recorder.hpp"
 
@@ -14,10 +15,12 @@ struct Ground {
   mesh::Mesh mesh;
   pd::Particles swarm;
   std::vector<pd::Particle> particles; ///< none before `lay_particles`
+  std::shared_ptr<const PointPlan<2>> points; ///< null without bodies of material points
 
   /// Throws UserError for what does not fit. Collective.
   /// @param costs by which the mesh is cut; null: by what cells hold
-  Ground(MPI_Comm comm, SceneOptions given, const mesh::MeasuredCosts* costs = nullptr);
+  Ground(MPI_Comm comm, SceneOptions given, const mesh::MeasuredCosts* costs = nullptr,
+         std::shared_ptr<const PointPlan<2>> bodies = nullptr);
   Ground(const Ground&) = delete;
   Ground& operator=(const Ground&) = delete;
   /// Covers cells and fills the patches, where there are any. Collective.
@@ -50,6 +53,9 @@ SceneMaker plane_scene(MPI_Comm comm, const SceneOptions& options);
 SceneMaker solid_scene(MPI_Comm comm, const SceneOptions& options);
 /// Reads the file and moves cloud and options into its frame. Collective.
 SceneMaker cloud_scene(MPI_Comm comm, SceneOptions& options);
+/// Bodies of material points beside elements and particles, in the plane. Fills them, reads the mesh, and moves the
+/// options into the frame of all. Collective.
+SceneMaker mixed_scene(MPI_Comm comm, SceneOptions& options);
 /// Fills the bodies of material points and moves the options into their frame. Collective.
 SceneMaker point_scene(MPI_Comm comm, SceneOptions& options);
 } // namespace pdx::app

@@ -20,6 +20,8 @@ enum class Kinematics { small, finite, mixed };
 enum class SurfaceCorrection { automatic, none, volume, exact };
 enum class PdOperator { automatic, matrix_free, assembled };
 
+inline constexpr const char* kMeshBody = "mesh"; ///< what elements are called among bodies
+
 /// What acts on a named part of the body: `-bc_NAME_...`. The third component is that of solids.
 struct BoundaryCondition {
   std::string name;
@@ -93,6 +95,11 @@ struct SceneOptions {
   std::vector<std::string> warnings; ///< of what was taken otherwise than written
   std::vector<std::string> notes;    ///< of what was chosen because nothing was written
 
+  /// Do bodies of material points stand beside elements or particles?
+  bool mixed() const
+  {
+    return points.any() && !solid && (pd.any() || mesh.cells[0] > 0 || !mesh.file.empty());
+  }
   pd::Kinematics bond_kinematics() const
   {
     return kinematics == Kinematics::small ? pd::Kinematics::linear : pd::Kinematics::finite;

@@ -11,14 +11,14 @@ struct StepLimits {
 
 /// Where the energy of a moving body is, on all ranks. [J]
 struct MotionEnergies {
-  double kinetic_elements = 0.0, kinetic_particles = 0.0;
+  double kinetic_elements = 0.0, kinetic_particles = 0.0, kinetic_points = 0.0; ///< the last of mixed scenes
   double scheme = 0.0; ///< dt^2/8 a.M a, see solve::KineticEnergy
   post::Energies stored;
   double work = 0.0, initial = 0.0;
   double converted = 0.0; ///< what changes of layout added; below 0: took
 
   double total() const { return kinetic() - scheme + stored.elastic() + stored.taken(); }
-  double kinetic() const { return kinetic_elements + kinetic_particles; }
+  double kinetic() const { return kinetic_elements + kinetic_particles + kinetic_points; }
   /// What came in and is nowhere: 0 to rounding in a linear scene.
   double residual() const
   {

@@ -13,6 +13,7 @@ struct PatchShape {
   geom::SiteSet<2> active;         ///< the patch's sites
   std::vector<geom::Box<2>> boxes; ///< what it is made of [m]
   geom::SiteNames names;
+  Index body = 0; ///< of the mesh (`mesh::Mesh::body`), that it lies in: others may be near
 
   /// A patch that is one box.
   static PatchShape of_box(const geom::Box<2>& box, const geom::Lattice<2>& lattice);

@@ -9,9 +9,10 @@
 #include <vector>
 
 namespace pdx::mesh {
-/// Who carries the physics of a cell: a plain element, an element that a crack cuts, or the peridynamic patch that
-/// covers it.
-enum class Use : std::uint8_t { plain, cut, covered };
+/// Who carries the physics of a cell: a plain element, an element that a crack cuts, the peridynamic patch that covers
+/// it, or the material points in it.
+enum class Use : std::uint8_t { plain, cut, covered, points };
+inline constexpr std::size_t kUses = 4;
 
 /// Edge on the outer boundary; seen from its cell the vertices run counter-clockwise (outward normal to the right).
 struct BoundaryEdge {
@@ -79,7 +80,11 @@ public:
   int patch(Index c) const { return patch_[static_cast<std::size_t>(c)]; }
   void cover(Index c, int patch);
   void cut(Index c); ///< a plain cell becomes a cut one
-  void uncover();    ///< makes every cell plain again
+  void uncover();    ///< makes every cell plain again, or one of points
+  /// The body that a cell is of, 0 where nothing else was said: what lies near may be of another.
+  Index body(Index c) const { return body_[static_cast<std::size_t>(c)]; }
+  /// @param points material points fill it, not an element
+  void set_body(Index c, Index body, bool points);
   /// Local cells of one use, overlap included: lists, so that loops carry no ifs.
   std::span<const Index> cells(Use use) const;
 
@@ -87,9 +92,10 @@ private:
   MPI_Comm comm_;
   DmHandle plex_;
   MeshArrays arrays_;
-  std::vector<Use> use_;
+  std::vector<Use> use_, uncovered_;
   std::vector<int> patch_;
-  mutable std::array<std::vector<Index>, 3> lists_; // by use
+  std::vector<Index> body_;
+  mutable std::array<std::vector<Index>, kUses> lists_; // by use
   mutable bool lists_current_ = false;
 };
 } // namespace pdx::mesh

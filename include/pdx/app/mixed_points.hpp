@@ -1,0 +1,23 @@
+#pragma once
+#include "pdx/app/discretisation.hpp"
+
+namespace pdx::app {
+/// Tells the cells of a mesh which body they are of, and which have material points in them. Patches that a rank's
+/// options describe are covered afterwards.
+void deal_cells(const PointPlan<2>& plan, mesh::Mesh& mesh);
+
+/// Adds the Term of the material points that no patch covers. Collective. Throws UserError for a patch that takes part
+/// of a cell's points, or points of another material.
+void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& patches,
+                const PointPlan<2>& plan, Discretisation& d);
+
+/// Adds contact between bodies, of points, particles and elements, if they may touch, and the velocities that bodies
+/// begin with. Collective.
+void add_bodies(const mesh::Mesh& mesh, const SceneOptions& options, Discretisation& d);
+
+/// Begins the books of the bodies. Collective, once the system is bound.
+void keep_books(Discretisation& d);
+
+/// Of each local vertex, a body it is of.
+std::vector<Index> vertex_bodies(const mesh::Mesh& mesh);
+} // namespace pdx::app

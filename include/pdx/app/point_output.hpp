@@ -1,0 +1,23 @@
+#pragma once
+#include "pdx/app/point_plan.hpp"
+#include "pdx/field/output_field.hpp"
+#include "pdx/mpm/point_term.hpp"
+
+#include <functional>
+
+namespace pdx::app {
+/// A cell of a body's grid.
+template <int Dim> struct CellOfBody {
+  Index body = 0;
+  Site<Dim> at{};
+};
+
+/// Fields of the points of a Term, whose cells these are.
+/// @param local displacement [owned | halo] [m]   @param velocity likewise [m/s]
+/// @param is_there does a cell of the plan have its points, on any rank? Alike on every rank.
+template <int Dim>
+field::OutputBlock point_block(const PointPlan<Dim>& plan, std::span<const CellOfBody<Dim>> cells,
+                               const mpm::PointTerm<Dim>& term, std::span<const double> local,
+                               std::span<const double> velocity, int rank,
+                               const std::function<bool(const CellOfBody<Dim>&)>& is_there);
+} // namespace pdx::app

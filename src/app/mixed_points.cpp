@@ -1,0 +1,301 @@
+#include "pdx/app/mixed_points.hpp"
+
+#include "pdx/app/thrown_bodies.hpp"
+#include "pdx/base/gather.hpp"
+#include "pdx/couple/contact_books.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace pdx::app {
+namespace mixed {
+constexpr std::uint64_t kElements = std::uint64_t{1} << 61U, kParticles = std::uint64_t{1} << 62U; // names of points
+
+/// Has a point a side that no other point of its body covers?
+bool at_surface(const mpm::Body<2>& body, const Site<2>& cell, int point)
+{
+  const int ratio = body.material.ratio;
+  const Site<2> site{cell[0] * ratio + point % ratio, cell[1] * ratio + point / ratio};
+  for (std::size_t d = 0; d < 2; ++d)
+    for (const Index step : {-1, 1}) {
+      Site<2> beside = site;
+      beside[d] += step;
+      if (!body.has(beside)) return true;
+    }
+  return false;
+}
+
+/// Surface points of the bodies of a scene, of this rank.
+class Surface {
+public:
+  Surface(const mesh::Mesh& mesh, const Discretisation& d)
+      : mesh_(mesh), d_(d), scene_{mesh, d.node_rows, d.sets.get()}
+  {}
+
+  std::vector<couple::SurfacePoint<2>> points()
+  {
+    add_material_points();
+    add_particles();
+    add_elements();
+    return std::move(points_);
+  }
+
+private:
+  void add(std::uint64_t name, Index body, const Vector<2>& x, double size, const couple::Host& host)
+  {
+    points_.push_back({{name, body, x, size}, host});
+  }
+
+  void add_material_points()
+  {
+    const PointPlan<2>& plan = *d_.point_plan;
+    std::vector<std::uint64_t> first{0}; // sites of cells of the bodies before each
+    for (const mpm::Body<2>& of : plan.bodies) first.push_back(first.back() + 64 * of.points.size());
+    for (const Index c : mesh_.cells(mesh::Use::points)) {
+      if (c >= mesh_.owned_cells()) continue;
+      const auto& column = plan.cells[static_cast<std::size_t>(mesh_.natural_cell(c) - plan.first_cell)];
+      const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
+      const Site<2> cell{column.at[0], column.at[1]};
+      const std::uint64_t name =
+          first[static_cast<std::size_t>(column.body)] + 64 * static_cast<std::uint64_t>(of.number(cell));
+      mpm::for_each_point(of.points_in(cell), [&](int site) {
+        if (!at_surface(of, cell, site)) return;
+        const Vector<2> x = of.place(cell, site);
+        add(name + static_cast<std::uint64_t>(site), column.body, x, of.material.spacing,
+            couple::host_in_cell(scene_, c, x));
+      });
+    }
+  }
+
+  /// Beside which the body ends.
+  void add_particles()
+  {
+    PetscInt row = d_.system.rows.first + d_.system.rows.first_particle();
+    for (const pd::Particle& p : d_.particles) {
+      const couple::Surroundings& around = d_.around[static_cast<std::size_t>(p.patch)];
+      const couple::PatchShape& shape = around.shape();
+      const Site<2> site = shape.active.site(p.site);
+      bool outer = false;
+      for (std::size_t d = 0; d < 2; ++d)
+        for (const Index step : {-1, 1}) {
+          Site<2> beside = site;
+          beside[d] += step;
+          outer = outer || !around.exists(beside);
+        }
+      if (outer)
+        add(kParticles | shape.names.of(site), shape.body, p.x, shape.lattice.dx, couple::Host::of_row(row));
+      ++row;
+    }
+  }
+
+  /// Quarters of elements along the border of the mesh, as points of half their size.
+  void add_elements()
+  {
+    std::vector<std::uint8_t> quarters(static_cast<std::size_t>(mesh_.owned_cells()), 0);
+    for (const std::string& name : mesh_.boundary_names())
+      for (const mesh::BoundaryEdge& edge : *mesh_.boundary(name)) {
+        const Index c = edge.cell;
+        if (c >= mesh_.owned_cells() || (mesh_.use(c) != mesh::Use::plain && mesh_.use(c) != mesh::Use::cut)) continue;
+        for (std::size_t a = 0; a < 4; ++a)
+          if (std::ranges::find(edge.vertices, mesh_.cell(c)[a]) != edge.vertices.end())
+            quarters[static_cast<std::size_t>(c)] |= static_cast<std::uint8_t>(1U << a);
+      }
+    for (Index c = 0; c < mesh_.owned_cells(); ++c)
+      for (std::size_t a = 0; a < 4; ++a) {
+        if (!(quarters[static_cast<std::size_t>(c)] >> a & 1U)) continue;
+        const auto x = mesh_.corners(c);
+        const Vector<2> at = 0.5 * (x[a] + mesh_.centroid(c));
+        const Vector<2> p = x[2] - x[0], q = x[3] - x[1];
+        const double area = 0.5 * std::abs(p[0] * q[1] - p[1] * q[0]);
+        add(kElements | static_cast<std::uint64_t>(4 * static_cast<std::int64_t>(mesh_.natural_cell(c)) +
+                                                   static_cast<std::int64_t>(a)),
+            mesh_.body(c), at, 0.5 * std::sqrt(area), couple::host_in_cell(scene_, c, at));
+      }
+  }
+
+  const mesh::Mesh& mesh_;
+  const Discretisation& d_;
+  couple::ElementView scene_;
+  std::vector<couple::SurfacePoint<2>> points_;
+};
+
+void add_contact(const mesh::Mesh& mesh, const SceneOptions& options, Discretisation& d)
+{
+  const ContactOptions& given = options.points.contact;
+  std::vector<couple::ContactBody> bodies;
+  for (const mpm::Body<2>& of : d.point_plan->bodies) bodies.push_back({of.name, of.material.elastic.young});
+  if (d.point_plan->first_cell > 0) bodies.push_back({kMeshBody, options.elastic.young});
+  if (!given.active || bodies.size() < 2) return;
+  couple::ContactOptions rule;
+  rule.stiffness = given.stiffness;
+  rule.friction = given.friction;
+  rule.thickness = options.elastic.thickness;
+  auto term =
+      std::make_unique<couple::ContactTerm<2>>(d.system.rows, Surface(mesh, d).points(), std::move(bodies), rule);
+  auto books = std::make_unique<couple::ContactStep<2>>(*term);
+  d.contact = term.get();
+  d.contact_books = books.get();
+  d.system.terms.push_back(std::move(term));
+  d.system.after_step.push_back(std::move(books));
+}
+
+bool same_material(const law::Elastic& a, const law::Elastic& b)
+{
+  return a.young == b.young && a.poisson == b.poisson && a.density == b.density;
+}
+
+/// Particles are of one material, and take whole cells.
+void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const PointPlan<2>& plan)
+{
+  constexpr Index none = std::numeric_limits<Index>::max();
+  std::array<Index, 2> first{none, none}; // cells, by natural number: with points missing, of another material
+  for (const Index c : mesh.cells(mesh::Use::covered)) {
+    const Index cell = mesh.natural_cell(c) - plan.first_cell;
+    if (cell < 0) continue;
+    const auto& column = plan.cells[static_cast<std::size_t>(cell)];
+    const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
+    if (of.points_in({column.at[0], column.at[1]}) != mpm::full_mask<2>(of.material.ratio))
+      first[0] = std::min(first[0], cell);
+    if (!same_material(of.material.elastic, options.elastic)) first[1] = std::min(first[1], cell);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, first.data(), 2, MPI_INT, MPI_MIN, mesh.comm());
+  const auto place = [&](Index cell) {
+    const auto& column = plan.cells[static_cast<std::size_t>(cell)];
+    const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
+    return std::pair{of.name, options.frame.text(of.node({column.at[0], column.at[1]}))};
+  };
+  if (first[0] != none) {
+    const auto [name, at] = place(first[0]);
+    throw UserError(fmt::format("-pd_patches: the cell of {} at {} is not full of points: particles take whole cells; "
+                                "keep patches away from a round or slanted border",
+                                name, at));
+  }
+  if (first[1] != none)
+    throw UserError(fmt::format("-pd_patches: particles are of -material_young, _poisson and _density, and {} is of "
+                                "another material",
+                                place(first[1]).first));
+}
+} // namespace mixed
+
+std::vector<Index> vertex_bodies(const mesh::Mesh& mesh)
+{
+  std::vector<Index> bodies(static_cast<std::size_t>(mesh.vertices()), 0);
+  for (Index c = 0; c < mesh.cells(); ++c)
+    for (const Index v : mesh.cell(c)) bodies[static_cast<std::size_t>(v)] = mesh.body(c);
+  return bodies;
+}
+
+void deal_cells(const PointPlan<2>& plan, mesh::Mesh& mesh)
+{
+  for (Index c = 0; c < mesh.cells(); ++c) {
+    const Index cell = mesh.natural_cell(c) - plan.first_cell;
+    if (cell < 0)
+      mesh.set_body(c, plan.elements(), false);
+    else
+      mesh.set_body(c, plan.cells[static_cast<std::size_t>(cell)].body, true);
+  }
+}
+
+void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& patches,
+                const PointPlan<2>& plan, Discretisation& d)
+{
+  d.point_plan = &plan;
+  d.patch_plan = &patches;
+  mixed::judge_patches(mesh, options, plan);
+  if (!any_rank(mesh.comm(), !mesh.cells(mesh::Use::points).empty())) return;
+  static constexpr std::size_t kAround[] = {0, 1, 3, 2}; // corners of a cell, counter-clockwise, as x fastest
+  std::vector<Index> mine;
+  for (const Index c : mesh.cells(mesh::Use::points))
+    if (c < mesh.owned_cells()) mine.push_back(c);
+  std::ranges::sort(mine, {}, [&mesh](Index c) { return mesh.natural_cell(c); });
+  std::vector<mpm::PointCell<2>> cells;
+  for (const Index c : mine) {
+    const auto& column = plan.cells[static_cast<std::size_t>(mesh.natural_cell(c) - plan.first_cell)];
+    mpm::PointCell<2> cell{column.body, {}, 0};
+    cell.points = plan.bodies[static_cast<std::size_t>(column.body)].points_in({column.at[0], column.at[1]});
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      cell.rows[corner] = d.node_rows[static_cast<std::size_t>(mesh.cell(c)[kAround[corner]])];
+    cells.push_back(cell);
+    d.point_cells.push_back({column.body, {column.at[0], column.at[1]}});
+  }
+  std::vector<mpm::BodyMaterial> materials;
+  for (const mpm::Body<2>& of : plan.bodies) materials.push_back(of.material);
+  auto term = std::make_unique<mpm::PointTerm<2>>(d.system.rows, std::move(cells), std::move(materials));
+  d.points = term.get();
+  d.material_points = term->points();
+  MPI_Allreduce(MPI_IN_PLACE, &d.material_points, 1, MPI_INT64_T, MPI_SUM, mesh.comm());
+  d.system.terms.push_back(std::move(term));
+}
+
+void add_bodies(const mesh::Mesh& mesh, const SceneOptions& options, Discretisation& d)
+{
+  for (const mpm::Body<2>& of : d.point_plan->bodies) d.body_names.push_back(of.name);
+  if (d.point_plan->first_cell > 0) d.body_names.push_back(kMeshBody);
+  const std::vector<Index> of_vertex = vertex_bodies(mesh);
+  for (const Index v : d.nodes) d.body_of_row.push_back(of_vertex[static_cast<std::size_t>(v)]);
+  if (d.sets)
+    for (const Index v : d.sets->vertices()) d.body_of_row.push_back(of_vertex[static_cast<std::size_t>(v)]);
+  for (const pd::Particle& p : d.particles) d.body_of_row.push_back(mesh.body(p.cell));
+  throw_bodies<2>(options.points, *d.point_plan, d.body_of_row, d.system);
+  mixed::add_contact(mesh, options, d);
+}
+void keep_books(Discretisation& d)
+{
+  d.bodies = std::make_unique<BodyBooks<2>>(d.system, BodyRows{d.body_names, d.body_of_row}, d.contact_books);
+}
+
+field::OutputBlock Discretisation::point_fields(const mesh::Mesh& mesh, std::span<const double> local,
+                                                std::span<const double> velocity) const
+{
+  const auto uncovered = [this](const CellOfBody<2>& cell) {
+    const mpm::Body<2>& of = point_plan->bodies[static_cast<std::size_t>(cell.body)];
+    const Vector<2> middle = of.node(cell.at).array() + 0.5 * of.cell_size();
+    return std::ranges::none_of(patch_plan->shapes, [&](const couple::PatchShape& shape) {
+      return shape.body == cell.body && shape.holds(middle);
+    });
+  };
+  int rank = 0;
+  MPI_Comm_rank(mesh.comm(), &rank);
+  return point_block<2>(*point_plan, point_cells, *points, local, velocity, rank, uncovered);
+}
+
+std::vector<io::Column> Discretisation::more_columns() const
+{
+  if (!bodies) return {};
+  std::vector<io::Column> columns{{"points", "-"}};
+  for (io::Column& column : bodies->more_columns()) columns.push_back(std::move(column));
+  return columns;
+}
+
+void Discretisation::add_more(std::span<const double> local, std::span<const double> velocity,
+                              std::vector<double>& row) const
+{
+  if (!bodies) return;
+  row.push_back(static_cast<double>(material_points));
+  bodies->add_more(local, velocity, row);
+}
+
+double Discretisation::kinetic_of_points(std::span<const double> velocity) const
+{
+  return bodies ? bodies->kinetic(velocity, system.rows.nodes, point_plan->elements()) : 0.0;
+}
+
+void Discretisation::add_results(std::span<const double> local, std::span<const double> velocity,
+                                 nlohmann::ordered_json& results) const
+{
+  if (!bodies) return;
+  results["material_points"] = material_points;
+  bodies->add_results(local, velocity, results);
+}
+
+std::vector<double> Discretisation::rank_sums() const
+{
+  return contact_books ? contact_books->sums() : std::vector<double>{};
+}
+
+void Discretisation::resume_sums(std::span<const double> sums) const
+{
+  if (contact_books) contact_books->resume(sums);
+}
+} // namespace pdx::app
