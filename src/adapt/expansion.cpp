@@ -1,9 +1,7 @@
 #include "pdx/adapt/expansion.hpp"
 
-#include "pdx/adapt/divided.hpp"
 #include "pdx/base/gather.hpp"
-#include "pdx/geom/box_cover.hpp"
-#include "pdx/mesh/vertex_halo.hpp"
+#include "cover_list.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -47,52 +45,6 @@ std::vector<Front> fronts(const SceneView& scene, std::span<const Reaches> reach
   return gather_all(scene.mesh.comm(), mine);
 }
 
-struct Found {
-  Index cell;                ///< natural number
-  std::array<double, 4> box; ///< lower and upper corner [m]
-  double spacing;            ///< [m]
-};
-
-Found found(const mesh::Mesh& mesh, Index cell, const geom::Box<2>& box, const geom::Lattice<2>& lattice)
-{
-  return {mesh.natural_cell(cell), {box.lower[0], box.lower[1], box.upper[0], box.upper[1]}, lattice.dx};
-}
-
-/// Those of all ranks, by natural number.
-std::vector<LayoutChange::Cover> gathered(MPI_Comm comm, const std::vector<Found>& mine)
-{
-  std::vector<Found> all = gather_all(comm, mine);
-  std::ranges::sort(all, {}, &Found::cell);
-  std::vector<LayoutChange::Cover> covers;
-  for (const auto& [cell, box, spacing] : all) covers.push_back({{{box[0], box[1]}, {box[2], box[3]}}, spacing});
-  return covers;
-}
-
-bool meet(const geom::Box<2>& a, const geom::Box<2>& b) { return geom::touch(a, b, kFits * a.size().minCoeff()); }
-
-/// Would a patch of another lattice share a side or a corner with a box?
-bool meets_another(const SceneView& scene, const geom::Box<2>& box, const geom::LatticeAnchor& lattice)
-{
-  return std::ranges::any_of(scene.around, [&](const couple::Surroundings& around) {
-    const couple::PatchShape& shape = around.shape();
-    return !geom::same_lattice(anchor_of(shape.lattice), lattice) &&
-           std::ranges::any_of(shape.boxes, [&](const geom::Box<2>& other) { return meet(box, other); });
-  });
-}
-
-/// Without those that would touch an earlier one of another lattice.
-std::vector<LayoutChange::Cover> apart(const std::vector<LayoutChange::Cover>& covers)
-{
-  std::vector<LayoutChange::Cover> kept;
-  for (const LayoutChange::Cover& cover : covers) {
-    const auto strange = [&](const LayoutChange::Cover& other) {
-      return meet(cover.box, other.box) && !geom::same_lattice(cover.lattice(), other.lattice());
-    };
-    if (std::ranges::none_of(kept, strange)) kept.push_back(cover);
-  }
-  return kept;
-}
-
 /// Does no crack run through a cell?
 bool is_whole(const SceneView& scene, Index cell)
 {
@@ -102,32 +54,6 @@ bool is_whole(const SceneView& scene, Index cell)
   return !cracks.cuts(x[0], x[2]) && !cracks.cuts(x[1], x[3]);
 }
 
-/// Which cells some node of is held. Collective.
-class HeldCells {
-public:
-  HeldCells(const SceneView& scene, bool asked)
-      : mesh_(scene.mesh), node_(asked ? static_cast<std::size_t>(scene.mesh.vertices()) : 0, 0)
-  {
-    if (!asked) return;
-    const field::Rows& rows = scene.halo.rows();
-    for (Index v = 0; v < mesh_.owned_vertices(); ++v) {
-      const PetscInt row = scene.node_rows[static_cast<std::size_t>(v)] - rows.first;
-      if (row < 0 || row >= rows.owned()) continue;
-      const auto at = 2 * static_cast<std::size_t>(row);
-      node_[static_cast<std::size_t>(v)] = scene.held[at] || scene.held[at + 1];
-    }
-    mesh::fill_halo(mesh_, MPI_INT, 1, node_.data());
-  }
-  bool has(Index cell) const
-  {
-    return !node_.empty() &&
-           std::ranges::any_of(mesh_.cell(cell), [&](Index v) { return node_[static_cast<std::size_t>(v)] != 0; });
-  }
-
-private:
-  const mesh::Mesh& mesh_;
-  std::vector<int> node_;
-};
 } // namespace
 
 std::optional<Vector<2>> broken_at_border(const SceneView& scene, std::span<const Reaches> reaches)
@@ -147,7 +73,7 @@ bool can_expand(const SceneView& scene)
   for (Index c = 0; c < scene.mesh.owned_cells(); ++c)
     for (const couple::Surroundings& around : scene.around) {
       any =
-          any || (scene.mesh.use(c) != mesh::Use::covered && is_divided(scene.mesh.corners(c), around.shape().lattice));
+          any || (can_cover(scene, c) && is_divided(scene.mesh.corners(c), around.shape().lattice));
     }
   return any_rank(scene.mesh.comm(), any);
 }
@@ -161,7 +87,7 @@ std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<con
   const HeldCells held(scene, spare_held);
   std::vector<Found> mine;
   for (Index c = 0; c < mesh.owned_cells(); ++c) {
-    if (mesh.use(c) == mesh::Use::covered || held.has(c)) continue;
+    if (!can_cover(scene, c) || held.has(c)) continue;
     const auto corners = mesh.corners(c);
     const geom::Box<2> box = box_of(mesh, c);
     std::size_t first = scene.around.size(); // patch that wants it and can have it
@@ -170,11 +96,12 @@ std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<con
       const double far = (1.0 - kSame) * reaches[patch].expansion;
       const Vector<2> at(front.x[0], front.x[1]);
       if (patch >= first || !box.contains(at, far)) continue;
+      if (scene.around[patch].shape().body != mesh.body(c)) continue;
       if (std::ranges::none_of(corners, [&](const Vector<2>& x) { return (x - at).norm() < far; })) continue;
       const geom::Lattice<2>& lattice = scene.around[patch].shape().lattice;
-      if (is_divided(corners, lattice) && !meets_another(scene, box, anchor_of(lattice))) first = patch;
+      if (is_divided(corners, lattice) && !meets_another(scene, mesh.body(c), box, anchor_of(lattice))) first = patch;
     }
-    if (first < scene.around.size()) mine.push_back(found(mesh, c, box, scene.around[first].shape().lattice));
+    if (first < scene.around.size()) mine.push_back(found(mesh, c, box, scene.around[first].shape().lattice.dx));
   }
   return apart(gathered(mesh.comm(), mine));
 }
@@ -194,13 +121,13 @@ LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box, bool spa
     if (!box.contains(mesh.centroid(c)) || held.has(c)) continue;
     const geom::Box<2> cell = box_of(mesh, c);
     if (mesh.use(c) == mesh::Use::covered && is_whole(scene, c))
-      covered.push_back(found(mesh, c, cell, lattice));
-    else if (mesh.use(c) != mesh::Use::covered && is_divided(mesh.corners(c), lattice) &&
-             !meets_another(scene, cell, anchor_of(lattice)))
-      elements.push_back(found(mesh, c, cell, lattice));
+      covered.push_back(found(mesh, c, cell, lattice.dx));
+    else if (can_cover(scene, c) && is_divided(mesh.corners(c), lattice) &&
+             !meets_another(scene, mesh.body(c), cell, anchor_of(lattice)))
+      elements.push_back(found(mesh, c, cell, lattice.dx));
   }
   LayoutChange change;
-  for (const auto& [where, spacing] : gathered(mesh.comm(), covered)) change.uncover.push_back(where);
+  for (const LayoutChange::Cover& cell : gathered(mesh.comm(), covered)) change.uncover.push_back(cell.box);
   if (change.uncover.empty()) change.cover = gathered(mesh.comm(), elements);
   return change;
 }

@@ -13,13 +13,13 @@ namespace {
 constexpr Index kAnyBand = std::numeric_limits<Index>::max() / 4;
 
 /// A patch that shows the lattice of new particles.
-const couple::PatchShape& shape_for(const SceneView& scene, const LayoutChange::Cover& cover)
+const couple::PatchShape& shape_for(std::span<const couple::PatchShape> shapes, const LayoutChange::Cover& cover)
 {
-  const auto of = std::ranges::find_if(scene.around, [&cover](const couple::Surroundings& around) {
-    return geom::same_lattice(anchor_of(around.shape().lattice), cover.lattice());
+  const auto of = std::ranges::find_if(shapes, [&cover](const couple::PatchShape& shape) {
+    return geom::same_lattice(anchor_of(shape.lattice), cover.lattice());
   });
-  if (of == scene.around.end()) throw std::logic_error("no patch has the lattice of particles to come");
-  return of->shape();
+  if (of == shapes.end()) throw std::logic_error("no patch has the lattice of particles to come");
+  return *of;
 }
 
 Vector<2> value_of(std::span<const double> field, Index row)
@@ -69,7 +69,7 @@ private:
 } // namespace
 
 FreshRows fill_particles(const SceneView& scene, std::span<const LayoutChange::Cover> covers,
-                         std::span<const std::span<const double>> fields)
+                         std::span<const couple::PatchShape> shapes, std::span<const std::span<const double>> fields)
 {
   const mesh::Mesh& mesh = scene.mesh;
   std::vector<geom::Box<2>> boxes;
@@ -80,10 +80,11 @@ FreshRows fill_particles(const SceneView& scene, std::span<const LayoutChange::C
   fresh.fields.resize(fields.size());
   for (Index c = 0; c < mesh.owned_cells(); ++c) {
     if (mesh.use(c) == mesh::Use::covered) continue;
-    const auto cover =
-        std::ranges::find_if(covers, [middle = mesh.centroid(c)](const auto& of) { return of.box.contains(middle); });
+    const auto cover = std::ranges::find_if(covers, [middle = mesh.centroid(c), body = mesh.body(c)](const auto& of) {
+      return of.body == body && of.box.contains(middle);
+    });
     if (cover == covers.end()) continue;
-    const couple::PatchShape& shape = shape_for(scene, *cover);
+    const couple::PatchShape& shape = shape_for(shapes, *cover);
     mesh::for_each_site(mesh, c, shape.lattice, kAnyBand, [&](const Site<2>& site, const Vector<2>& x) {
       fresh.names.push_back(field::RowName::particle(shape.names.of(site)));
       const PointInElement point(scene, gradients, c, x);

@@ -82,10 +82,11 @@ FreshRows fill_nodes(const SceneView& scene, const LayoutChange& change,
   return fresh;
 }
 
-FreshRows fill(const SceneView& scene, const LayoutChange& change, std::span<const std::span<const double>> fields)
+FreshRows fill(const SceneView& scene, const LayoutChange& change, std::span<const couple::PatchShape> shapes,
+               std::span<const std::span<const double>> fields)
 {
   FreshRows fresh = change.cover.empty() ? FreshRows{{}, std::vector<std::vector<double>>(fields.size())}
-                                         : fill_particles(scene, change.cover, fields);
+                                         : fill_particles(scene, change.cover, shapes, fields);
   if (!change.uncover.empty()) fresh.append(fill_nodes(scene, change, fields));
   fresh.append(fresh_sets(scene, change, fields.size()));
   return fresh;

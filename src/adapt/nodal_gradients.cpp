@@ -17,6 +17,14 @@ using Sides = Eigen::Matrix<double, kTerms, Eigen::Dynamic>;
 
 Terms terms_of(const Vector<2>& d) { return {d[0], d[1], 0.5 * d[0] * d[0], d[0] * d[1], 0.5 * d[1] * d[1]}; }
 
+/// The side of elements beside the first patch, else that of a mean cell [m].
+double scale_of(const SceneView& scene)
+{
+  const double edge =
+      scene.around.empty() ? std::numeric_limits<double>::infinity() : scene.around.front().shortest_edge();
+  return std::isfinite(edge) ? edge : std::sqrt(scene.mesh.bounds().size().prod() / scene.mesh.global_cells());
+}
+
 /// What a vertex has of its equations, by the number of right sides: matrix, right sides, and damaged particles.
 constexpr std::size_t width_of(std::size_t sides) { return kMatrix + kTerms * sides + 1; }
 
@@ -24,8 +32,7 @@ constexpr std::size_t width_of(std::size_t sides) { return kMatrix + kTerms * si
 class Equations {
 public:
   Equations(const SceneView& scene, std::span<const std::span<const double>> fields, VertexSums& sums)
-      : scene_(scene), fields_(fields), sides_(2 * fields.size()), scale_(scene.around.front().shortest_edge()),
-        sums_(sums)
+      : scene_(scene), fields_(fields), sides_(2 * fields.size()), scale_(scale_of(scene)), sums_(sums)
   {}
 
   void add_nodes()

@@ -39,9 +39,30 @@ public:
                  if (c.body) weigh(c);
                  if (c.force) push(c);
                });
+    note_side_held();
   }
 
 private:
+  /// Particles in the place of elements or points would be held as the nodes were where a box holds all of them, and
+  /// not where the nodes lie on a side, or at the border of a box.
+  void note_side_held()
+  {
+    d_.side_held.assign(2 * d_.nodes.size(), 0);
+    for (const BoundaryCondition& c : options_.conditions) {
+      if (!c.holds()) continue;
+      std::vector<std::uint8_t> outer(static_cast<std::size_t>(mesh_.vertices()), c.on.empty() && c.box ? 0 : 1);
+      for (Index cell = 0; cell < mesh_.cells() && c.on.empty() && c.box; ++cell)
+        if (!std::ranges::all_of(mesh_.corners(cell), [&](const Vector<2>& x) { return inside(c, x); }))
+          for (const Index v : mesh_.cell(cell)) outer[static_cast<std::size_t>(v)] = 1;
+      const std::set<Index> rows = rows_of(c, Acts::held);
+      for (std::size_t k = 0; k < d_.nodes.size(); ++k)
+        for (std::size_t a = 0; a < 2; ++a)
+          if (outer[static_cast<std::size_t>(d_.nodes[k])] && (c.displacement[a] || c.velocity[a]) &&
+              rows.contains(static_cast<Index>(k)))
+            d_.side_held[2 * k + a] = 1;
+    }
+  }
+
   std::vector<mesh::BoundaryEdge> edges_of(const BoundaryCondition& c) const
   {
     const auto* edges = mesh_.boundary(c.of.empty() ? c.on : c.of + ":" + c.on);

@@ -228,7 +228,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   system.scale = options.elastic.young * options.elastic.thickness;
   add_elements(mesh, options, d);
   if (points) add_points(mesh, options, plan, *points, d);
-  if (!plan.shapes.empty()) add_peridynamics(mesh, options, plan, d, assembled);
+  if (!plan.shapes.empty() || options.converts()) add_peridynamics(mesh, options, plan, d, assembled);
   if (points) add_bodies(mesh, options, d);
   apply_conditions(mesh, options, plan, d);
 
@@ -259,7 +259,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
 
 adapt::SceneView Discretisation::view(const mesh::Mesh& mesh) const
 {
-  return {mesh, node_rows, sets.get(), around, *bonds, carried, *system.halo, particles, system.held};
+  return {mesh, node_rows, sets.get(), around, *bonds, carried, *system.halo, particles, side_held, stays};
 }
 
 post::Energies Discretisation::energies(std::span<const double> local) const

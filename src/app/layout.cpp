@@ -52,6 +52,15 @@ bool are_grown(const std::vector<crack::Polyline>& lines, const crack::CrackSet&
 }
 } // namespace
 
+std::vector<geom::LatticeAnchor> body_lattices(const SceneOptions& options)
+{
+  std::vector<geom::LatticeAnchor> lattices;
+  const auto add = [&](const geom::Box<2>& body) { lattices.push_back({body.lower, options.pd.spacing[0]}); };
+  if (options.points.regions.empty()) add(options.mesh.box);
+  for (const geom::Box<2>& body : options.points.regions) add(body);
+  return lattices;
+}
+
 Layout Layout::given(const SceneOptions& options)
 {
   Layout layout{options.pd.patches, {}, options.cracks.lines, {}, options.points.regions};
@@ -59,6 +68,8 @@ Layout Layout::given(const SceneOptions& options)
     layout.spacing.push_back(options.pd.spacing_of(p));
     layout.anchors.push_back({layout.patches[p].lower, layout.spacing[p]});
   }
+  if (options.converts()) // where bodies have no patch yet
+    for (const geom::LatticeAnchor& anchor : body_lattices(options)) layout.anchors.push_back(anchor);
   return layout;
 }
 
@@ -103,7 +114,7 @@ Layout Layout::changed(const adapt::LayoutChange& change) const
     auto& all = of(patches[p], spacing[p]);
     all.insert(all.end(), left.begin(), left.end());
   }
-  for (const auto& [box, dx] : change.cover) of(box, dx).push_back(box);
+  for (const adapt::LayoutChange::Cover& cover : change.cover) of(cover.box, cover.spacing).push_back(cover.box);
   Layout next{{}, {}, change.cracks.value_or(cracks), anchors, regions};
   for (std::size_t k = 0; k < boxes.size(); ++k)
     for (const geom::Box<2>& box : geom::joined(std::move(boxes[k]), kSameSide * families[k].lattice.spacing)) {

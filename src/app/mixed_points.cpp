@@ -3,6 +3,8 @@
 #include "pdx/app/thrown_bodies.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/couple/contact_books.hpp"
+#include "pdx/geom/box_cover.hpp"
+#include "pdx/geom/clip.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -145,11 +147,23 @@ bool same_material(const law::Elastic& a, const law::Elastic& b)
   return a.young == b.young && a.poisson == b.poisson && a.density == b.density;
 }
 
+/// Can a cell not become particles?
+bool stays(const mesh::Mesh& mesh, const SceneOptions& options, const PointPlan<2>& plan, Index cell)
+{
+  const Index number = mesh.natural_cell(cell) - plan.first_cell;
+  if (number < 0) return false;
+  const auto& column = plan.cells[static_cast<std::size_t>(number)];
+  const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
+  return of.points_in({column.at[0], column.at[1]}) != mpm::full_mask<2>(of.material.ratio) ||
+         !same_material(of.material.elastic, options.elastic);
+}
+
 /// Particles are of one material, and take whole cells.
-void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const PointPlan<2>& plan)
+void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const PointPlan<2>& plan,
+                   const crack::CrackSet& cracks)
 {
   constexpr Index none = std::numeric_limits<Index>::max();
-  std::array<Index, 2> first{none, none}; // cells, by natural number: with points missing, of another material
+  std::array<Index, 3> first{none, none, none}; // cells: with points missing, of another material, with a crack
   for (const Index c : mesh.cells(mesh::Use::covered)) {
     const Index cell = mesh.natural_cell(c) - plan.first_cell;
     if (cell < 0) continue;
@@ -159,7 +173,12 @@ void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const Po
       first[0] = std::min(first[0], cell);
     if (!same_material(of.material.elastic, options.elastic)) first[1] = std::min(first[1], cell);
   }
-  MPI_Allreduce(MPI_IN_PLACE, first.data(), 2, MPI_INT, MPI_MIN, mesh.comm());
+  for (const Index c : mesh.cells(mesh::Use::points)) {
+    const auto x = mesh.corners(c);
+    if (!cracks.empty() && (cracks.cuts(x[0], x[2]) || cracks.cuts(x[1], x[3])))
+      first[2] = std::min(first[2], mesh.natural_cell(c) - plan.first_cell);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, first.data(), 3, MPI_INT, MPI_MIN, mesh.comm());
   const auto place = [&](Index cell) {
     const auto& column = plan.cells[static_cast<std::size_t>(cell)];
     const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
@@ -175,6 +194,11 @@ void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const Po
     throw UserError(fmt::format("-pd_patches: particles are of -material_young, _poisson and _density, and {} is of "
                                 "another material",
                                 place(first[1]).first));
+  if (first[2] == none) return;
+  const auto [name, at] = place(first[2]);
+  throw UserError(fmt::format("-crack_names: a crack runs through material points of {} at {}, which cannot part: give "
+                              "-adapt expand -adapt_trigger connection, or -pd_patches around it",
+                              name, at));
 }
 } // namespace mixed
 
@@ -184,6 +208,30 @@ std::vector<Index> vertex_bodies(const mesh::Mesh& mesh)
   for (Index c = 0; c < mesh.cells(); ++c)
     for (const Index v : mesh.cell(c)) bodies[static_cast<std::size_t>(v)] = mesh.body(c);
   return bodies;
+}
+
+void convert_along_cracks(const PointPlan<2>& plan, SceneOptions& options)
+{
+  const double dx = options.pd.spacing[0];
+  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
+    const mpm::Body<2>& of = plan.bodies[b];
+    const double reach = (options.layout.triggers.margin - 0.25) * of.cell_size();
+    std::vector<geom::Box<2>> boxes;
+    for (std::size_t k = 0; k < of.points.size(); ++k) {
+      const Site<2> at = of.cell(static_cast<std::int64_t>(k));
+      const geom::Box<2> cell{of.node(at), of.node({at[0] + 1, at[1] + 1})};
+      const Vector<2> middle = 0.5 * (cell.lower + cell.upper);
+      if (of.points[k] != mpm::full_mask<2>(of.material.ratio) || geom::hold(options.pd.patches, middle)) continue;
+      const geom::Box<2> near{cell.lower.array() - reach, cell.upper.array() + reach};
+      const bool cut = std::ranges::any_of(options.cracks.lines, [&near](const crack::Polyline& line) {
+        for (std::size_t p = 1; p < line.size(); ++p)
+          if (geom::clip<2>(line[p - 1], line[p], near)) return true;
+        return false;
+      });
+      if (cut) boxes.push_back(cell);
+    }
+    for (const geom::Box<2>& box : geom::joined(std::move(boxes), 1e-6 * dx)) options.pd.patches.push_back(box);
+  }
 }
 
 void deal_cells(const PointPlan<2>& plan, mesh::Mesh& mesh)
@@ -202,7 +250,8 @@ void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const Patch
 {
   d.point_plan = &plan;
   d.patch_plan = &patches;
-  mixed::judge_patches(mesh, options, plan);
+  mixed::judge_patches(mesh, options, plan, d.cracks);
+  for (Index c = 0; c < mesh.cells(); ++c) d.stays.push_back(mixed::stays(mesh, options, plan, c));
   if (!any_rank(mesh.comm(), !mesh.cells(mesh::Use::points).empty())) return;
   static constexpr std::size_t kAround[] = {0, 1, 3, 2}; // corners of a cell, counter-clockwise, as x fastest
   std::vector<Index> mine;

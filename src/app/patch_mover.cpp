@@ -1,5 +1,8 @@
 #include "pdx/app/patch_mover.hpp"
 
+#include "pdx/adapt/conversion.hpp"
+#include "pdx/app/layout.hpp"
+#include "pdx/app/model.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/base/options.hpp"
@@ -35,6 +38,25 @@ void refuse_lengths(const SceneOptions& s)
 }
 } // namespace
 
+namespace {
+/// What bulk bears is looked at in time, and makes particles of one lattice in each body.
+void judge_triggers(const SceneOptions& s)
+{
+  const Triggers& t = s.layout.triggers;
+  if (!t.any()) return;
+  if (s.layout.adapt != Adapt::expand)
+    throw UserError(s.layout.adapt == Adapt::none
+                        ? "-adapt_trigger says when bulk becomes particles: give -adapt expand, or drop it"
+                        : "-adapt relocate hands back what breaks: -adapt_trigger connection, stress and stretch need "
+                          "-adapt expand");
+  if (s.time.analysis != Analysis::explicit_dynamics)
+    throw UserError("-adapt_trigger connection, stress and stretch act in time: give -analysis explicit, or damage");
+  if (s.pd.spacing.size() > 1)
+    throw UserError(fmt::format("-pd_spacing has {} values: must be one for the particles that -adapt_trigger makes",
+                                s.pd.spacing.size()));
+}
+} // namespace
+
 double expansion_length(const SceneOptions& options, double horizon, double element)
 {
   return length(options.layout.expansion_length, kExpansion[options.time.dynamic()], horizon, element);
@@ -50,13 +72,14 @@ void PatchMover::judge(const SceneOptions& s)
   if (Options("layout").given("-adapt_border") && (s.layout.patches_move() || !s.pd.bordered() || !s.fracture.active()))
     throw UserError("-adapt_border is of patches between elements that stay while bonds break: drop it");
   if (!s.layout.patches_move()) return;
-  if (s.pd.patches.empty() && !s.pd.seeded)
+  if (s.pd.patches.empty() && !s.pd.seeded && !s.converts())
     throw UserError("-adapt (-layout_renew_box) moves patches between elements: give boxes by -pd_patches, or "
                     "-adapt_seed tip, or drop it");
   if (s.time.analysis == Analysis::implicit_dynamics)
     throw UserError("-adapt (-layout_renew_box): implicit steps keep their layout; give -analysis explicit or static");
   if (s.scheme != couple::Scheme::energy)
     throw UserError("-adapt (-layout_renew_box) makes patches of any shape, which need -couple_scheme energy");
+  judge_triggers(s);
   if (s.layout.adapt == Adapt::none) return;
   if (!s.fracture.active())
     throw UserError("-adapt follows what breaks: give -material_toughness or -pd_critical_stretch");
@@ -85,7 +108,7 @@ std::string PatchMover::begin(const adapt::SceneView& scene, const PatchPlan& pl
           fmt::format("-adapt_expansion_length is {:g}: must be above the {:g} of -adapt_critical_length, or "
                       "patches never move away from what broke",
                       expansion, critical));
-  if (adapt::can_expand(scene)) return "";
+  if (adapt::can_expand(scene) || options_.converts()) return "";
   return "-adapt: the sides of no element are whole numbers of -pd_spacing on its lines, so no patch will grow";
 }
 
@@ -123,13 +146,54 @@ std::string PatchMover::border(const adapt::SceneView& scene, const PatchPlan& p
   return words;
 }
 
-adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken)
+std::vector<adapt::LayoutChange::Cover> PatchMover::converted(const adapt::SceneView& scene,
+                                                              std::span<const double> local) const
+{
+  static Event event("adapt_convert");
+  const Timed timed(event);
+  const Triggers& triggers = options_.layout.triggers;
+  const double dx = options_.pd.spacing[0];
+  const pd::Stencil<2> stencil =
+      pd::make_stencil<2>({dx, options_.elastic.thickness, options_.pd.horizon_ratio * dx, options_.pd.micromodulus,
+                           options_.pd.calibration, options_.elastic});
+  const double critical = critical_stretch<2>(options_, stencil);
+  adapt::ConversionRule rule;
+  rule.margin = triggers.margin;
+  if (triggers.stress) rule.stress = triggers.largest_stress;
+  if (triggers.connection) rule.stretch = critical;
+  if (triggers.stretch) rule.stretch = triggers.stretch_share * critical;
+  if (triggers.connection && triggers.stretch) rule.stretch = std::min(critical, triggers.stretch_share * critical);
+  const std::vector<geom::LatticeAnchor> lattices = body_lattices(options_);
+  const auto& bodies = options_.points.bodies;
+  const auto elastic = [&](Index body) -> const law::Elastic& {
+    const auto b = static_cast<std::size_t>(body);
+    return b < bodies.size() ? bodies[b].elastic : options_.elastic;
+  };
+  return adapt::conversion(scene, rule, {elastic, lattices}, local);
+}
+
+namespace {
+/// Both, each cell once: cells are told by their boxes, to the last bit.
+void join(std::vector<adapt::LayoutChange::Cover>& covers, const std::vector<adapt::LayoutChange::Cover>& more)
+{
+  for (const adapt::LayoutChange::Cover& cover : more)
+    if (std::ranges::none_of(covers, [&cover](const auto& known) {
+          return known.body == cover.body && known.box.lower == cover.box.lower && known.box.upper == cover.box.upper;
+        }))
+      covers.push_back(cover);
+}
+} // namespace
+
+adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken,
+                                     std::span<const double> local)
 {
   static Event event("adapt_look");
-  if (!broke_more(scene.mesh.comm(), broken)) return {};
-  const Timed timed(event);
   adapt::LayoutChange change;
-  change.cover = adapt::expansion(scene, reaches(scene, plan), seen_.news(scene), options_.time.dynamic());
+  if (broke_more(scene.mesh.comm(), broken)) {
+    const Timed timed(event);
+    change.cover = adapt::expansion(scene, reaches(scene, plan), seen_.news(scene), options_.time.dynamic());
+  }
+  if (options_.layout.triggers.any()) join(change.cover, converted(scene, local));
   if (!change.cover.empty()) ++expansions_;
   return change;
 }

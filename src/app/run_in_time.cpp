@@ -117,7 +117,8 @@ private:
     if (step >= driver_->expected_steps()) return false;
     change_ = {};
     if (mover_.follows() && step % when.adapt_interval == 0)
-      change_ = mover_.look(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds);
+      change_ = mover_.look(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds,
+                            driver_->local());
     if (mover_.may_contract()) files_.told_if_refused([&] { add_what_lies_behind(); });
     uneven_ = balance_.due(*driver_) && change_.empty(); // one after the other: what leaves is told by cells
     const bool renewed = when.renew_interval > 0 && step % when.renew_interval == 0;
@@ -147,7 +148,8 @@ private:
     std::vector<double> v;
     driver_->moving().system.halo->fetch(driver_->v(), driver_->moving().system.rows.dim, v);
     const std::span<const double> fields[] = {driver_->local(), v};
-    add_rows(state, adapt::fill(scene_->view(), change_, fields));
+    const std::vector<couple::PatchShape> shapes = patch_shapes(layout_.changed(change_).in(files_.options));
+    add_rows(state, adapt::fill(scene_->view(), change_, shapes, fields));
     return adapt::leaving(scene_->view(), change_.uncover, fields);
   }
 
@@ -200,6 +202,9 @@ private:
       if (!change_.uncover.empty()) adapt::fit_sets(scene_->view(), left, is_new, fields);
       solve::keep_momentum(driver_->moving(), is_new, momentum, moving.v);
       driver_->resume_changed(clock, moving);
+      if (driver_->step_length() < clock.length)
+        files_.progress.line(fmt::format("step {}: steps of {:.4g} s from here, for the particles that came",
+                                         driver_->step(), driver_->step_length()));
     } else
       driver_->resume(clock, move.moving());
     breaker = scene_->standing().model->breaker;

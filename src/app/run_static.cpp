@@ -128,7 +128,7 @@ private:
     solve::StaticOptions steps = steps_of(files_.options, *d_, assembled_);
     if (mover_.follows())
       steps.outgrown = [this] {
-        change_ = mover_.look(d_->view(ground_->mesh), ground_->plan, d_->fracture->broken());
+        change_ = mover_.look(d_->view(ground_->mesh), ground_->plan, d_->fracture->broken(), {});
         return !change_.empty();
       };
     driver_ = std::make_unique<solve::StaticDriver>(d_->system, steps, std::move(before));
@@ -189,7 +189,8 @@ private:
       std::vector<double> local;
       d_->system.halo->fetch(u, now.state.dim, local);
       const std::span<const double> fields[] = {local};
-      add_rows(now.state, adapt::fill(d_->view(ground_->mesh), change_, fields));
+      add_rows(now.state, adapt::fill(d_->view(ground_->mesh), change_,
+                                       patch_shapes(layout_.changed(change_).in(files_.options)), fields));
       now.left = adapt::leaving(d_->view(ground_->mesh), change_.uncover, fields);
     }
     add_dormant(files_.comm(), now.state, dormant_); // to the rows that are new, too

@@ -253,6 +253,7 @@ SceneMaker mixed_scene(MPI_Comm comm, SceneOptions& options)
   }
   mesh = plan->mesh;
   if (options.pd.seeded) plant_seeds(comm, options);
+  if (options.layout.triggers.connection) convert_along_cracks(*plan, options);
   return [comm, &options, plan](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
     return std::make_unique<PlaneScene>(comm, layout.in(options), costs, plan);
   };

@@ -63,6 +63,39 @@ CheckpointOptions CheckpointOptions::read()
   return c;
 }
 
+namespace {
+Triggers read_triggers(Options& o)
+{
+  static constexpr const char* kinds[] = {"damage", "connection", "stress", "stretch"};
+  Triggers t;
+  const std::vector<std::string> names =
+      o.texts("-adapt_trigger", {"damage"},
+              "what makes elements and material points particles, with -adapt expand: damage = bonds that broke near; "
+              "connection = bonds that a crack cuts or that would break; stress, stretch = what they bear");
+  for (const std::string& name : names) {
+    const auto kind = std::ranges::find(kinds, name) - std::begin(kinds);
+    if (kind == std::ssize(kinds))
+      throw UserError(fmt::format("-adapt_trigger has \"{}\": must be of damage, connection, stress, stretch",
+                                  shown(name)));
+    (kind == 1 ? t.connection : kind == 2 ? t.stress : kind == 3 ? t.stretch : t.connection) |= kind > 0;
+  }
+  t.largest_stress = o.real("-adapt_stress", 0.0, "Pa", "largest principal stress that bulk bears, for the trigger stress",
+                            Range::at_least(0.0));
+  t.stretch_share = o.real("-adapt_stretch", 0.8, "-",
+                           "share of the critical stretch that bulk bears, for the trigger stretch", Range::positive());
+  t.margin = o.integer("-adapt_margin", 2, "cells around what asks that become particles with it", {0.0, 1e6});
+  if (t.stress && t.largest_stress == 0.0)
+    throw UserError("-adapt_stress is missing: give the principal stress in Pa at which bulk becomes particles");
+  if (!t.stress && o.given("-adapt_stress"))
+    throw UserError("-adapt_stress is of -adapt_trigger stress: give that too, or drop it");
+  if (!t.stretch && o.given("-adapt_stretch"))
+    throw UserError("-adapt_stretch is of -adapt_trigger stretch: give that too, or drop it");
+  if (!t.any() && o.given("-adapt_margin"))
+    throw UserError("-adapt_margin is of -adapt_trigger connection, stress and stretch: give one, or drop it");
+  return t;
+}
+} // namespace
+
 LayoutOptions LayoutOptions::read()
 {
   Options o("layout");
@@ -109,8 +142,12 @@ LayoutOptions LayoutOptions::read()
       o.choice("-adapt_tracker", 0, trackers,
                "how cracks are followed that elements take over: between the bodies that bonds hold together, or where "
                "the Laplacian of damage is lowest"));
-  l.adapt_interval =
-      o.integer("-adapt_every", 1, "explicit: steps from one look for such bonds to the next", {1.0, 1e9});
+  l.triggers = read_triggers(o);
+  l.adapt_interval = o.integer("-adapt_every", 0,
+                               "explicit: steps from one look for such bonds, or at what bulk bears, to the next; 0: 1, "
+                               "with -adapt_trigger 4",
+                               {0.0, 1e9});
+  if (l.adapt_interval == 0) l.adapt_interval = l.triggers.any() ? 4 : 1;
   static constexpr const char* at_border[] = {"warn", "stop"};
   l.stops_at_border = o.choice("-adapt_border", 0, at_border,
                                "where a crack comes within a horizon of elements and -adapt is none: a warning, or the "

@@ -52,6 +52,15 @@ void ExplicitDriver::judge_step(double length) const
                   length, options_.limit, options_.safety * options_.limit));
 }
 
+double ExplicitDriver::fitting_step(double length) const
+{
+  PetscBool given = PETSC_FALSE;
+  PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
+  if (given || length <= options_.limit || options_.allow_unstable) return length;
+  const double shorter = options_.safety * options_.limit, left = end_time() - time();
+  return end_time() < PETSC_MAX_REAL && left > 0.0 ? left / std::ceil(left / shorter * (1.0 - 1e-12)) : shorter;
+}
+
 void ExplicitDriver::evaluate(double time, std::span<double> a)
 {
   static Event event("time_acceleration");

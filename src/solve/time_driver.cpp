@@ -192,6 +192,7 @@ void TimeDriver::resume_changed(const Clock& clock, const field::State& state)
 {
   good_.clock = clock;
   set_state(clock, state);
+  set_step(fitting_step(clock.length));
   std::vector<double> a(moving_.owned(), 0.0);
   start(clock.time, a);
   set_acceleration(clock.origin, a);

@@ -14,8 +14,9 @@ struct FreshRows {
 /// The particles that elements become on this rank: each field as the element carries it there [XPD2 Eq. 14], bent by
 /// the gradients at its nodes where no crack cuts it. Collective.
 /// @param fields local blocks [owned | halo] of the scene as it stands
+/// @param shapes patches that show how particles are named on the lattice of each cover: those to come, or those there
 FreshRows fill_particles(const SceneView& scene, std::span<const LayoutChange::Cover> covers,
-                         std::span<const std::span<const double>> fields);
+                         std::span<const couple::PatchShape> shapes, std::span<const std::span<const double>> fields);
 
 /// The nodes of elements that take the place of particles: quadratics that fit best, in a moving least squares, the
 /// particles within an element's side that no crack hides [XPD2 Eqs. 17-21, another weight]. Of owned vertices.
@@ -24,5 +25,7 @@ FreshRows fill_nodes(const SceneView& scene, const LayoutChange& change,
                      std::span<const std::span<const double>> fields);
 
 /// All rows that a change makes. Collective.
-FreshRows fill(const SceneView& scene, const LayoutChange& change, std::span<const std::span<const double>> fields);
+/// @param shapes as for `fill_particles`
+FreshRows fill(const SceneView& scene, const LayoutChange& change, std::span<const couple::PatchShape> shapes,
+               std::span<const std::span<const double>> fields);
 } // namespace pdx::adapt

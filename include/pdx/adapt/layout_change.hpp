@@ -11,6 +11,7 @@ struct LayoutChange {
   struct Cover {
     geom::Box<2> box;     ///< [m]
     double spacing = 0.0; ///< of the particles [m]
+    Index body = 0;       ///< that the box is in, as `mesh::Mesh::body`
     geom::LatticeAnchor lattice() const { return {box.lower, spacing}; }
   };
   std::vector<Cover> cover;

@@ -24,6 +24,7 @@ struct SceneView {
   const couple::CarriedBonds<2>* carried; ///< null without an interface
   const field::RowHalo& halo;
   std::span<const pd::Particle> particles; ///< owned, in order of rows
-  std::span<const std::uint8_t> held;      ///< per owned component: does a condition hold it?
+  std::span<const std::uint8_t> held;      ///< per owned component: does a condition hold it, but not what is around?
+  std::span<const std::uint8_t> stays;     ///< per local cell: can it not become particles? Empty: all can
 };
 } // namespace pdx::adapt

@@ -39,9 +39,11 @@ struct Discretisation final : Model {
   couple::ContactTerm<2>* contact = nullptr;
   couple::ContactBooks* contact_books = nullptr;
   std::vector<std::string> body_names;
+  std::vector<std::uint8_t> stays; ///< per local cell: particles cannot take it
   std::vector<Index> body_of_row; ///< place in `body_names`, of owned rows
   std::unique_ptr<BodyBooks<2>> bodies;
   ///@}
+  std::vector<std::uint8_t> side_held; ///< per owned component of nodes: held, and particles there would not be as well
   adapt::SceneView view(const mesh::Mesh& mesh) const; ///< there are patches
   post::Energies energies(std::span<const double> local) const override;
   Tiles tiles() const override { return bonds ? Tiles{bonds->tiles_computed(), bonds->tiles_skipped()} : Tiles{}; }

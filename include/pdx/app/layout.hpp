@@ -5,6 +5,9 @@
 #include "pdx/io/sealed_reader.hpp"
 
 namespace pdx::app {
+/// Where the lattices of bodies begin that have no patch yet, by body. The scene is settled, and has one spacing.
+std::vector<geom::LatticeAnchor> body_lattices(const SceneOptions& options);
+
 /// What of a scene may change while it runs, from the body's corner: where its patches lie and where its cracks run.
 struct Layout {
   std::vector<geom::Box<2>> patches; ///< boxes of particles; none where all of the body is one patch [m]

@@ -6,6 +6,10 @@ namespace pdx::app {
 /// options describe are covered afterwards.
 void deal_cells(const PointPlan<2>& plan, mesh::Mesh& mesh);
 
+/// What cracks that are given disconnect is particles from the start [APDMPM Eq. 26]: cells of bodies of points as near
+/// to one as the margin of triggers says become boxes of `-pd_patches`, where none covers them.
+void convert_along_cracks(const PointPlan<2>& plan, SceneOptions& options);
+
 /// Adds the Term of the material points that no patch covers. Collective. Throws UserError for a patch that takes part
 /// of a cell's points, or points of another material.
 void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& patches,

@@ -24,8 +24,10 @@ public:
   adapt::LayoutChange renewal(const adapt::SceneView& scene) const; ///< where it renews
   /// At the start: throws UserError for lengths that cannot work, and returns what is odd, "" for nothing.
   std::string begin(const adapt::SceneView& scene, const PatchPlan& plan) const;
-  /// Where bonds broke since the last call. @param broken bonds that this rank counts, since the start
-  adapt::LayoutChange look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken);
+  /// Where bonds broke since the last call, and where bulk bears more than the triggers say.
+  /// @param broken bonds that this rank counts, since the start   @param local displacement [owned | halo] [m]
+  adapt::LayoutChange look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken,
+                           std::span<const double> local);
   /// Is the border of patches that stay as they are to be watched still?
   bool watches() const;
   /// Where a crack came within a horizon of elements, which do not break, in words; "" for nowhere. Watches no more
@@ -44,6 +46,7 @@ public:
   void read(const io::SealedReader& file);
 
 private:
+  std::vector<adapt::LayoutChange::Cover> converted(const adapt::SceneView& scene, std::span<const double> local) const;
   std::vector<adapt::Reaches> reaches(const adapt::SceneView& scene, const PatchPlan& plan) const;
   adapt::Reaches reaches(const couple::Surroundings& around, double horizon) const;
 

@@ -58,7 +58,8 @@ struct PdOptions {
   PdOperator solver = PdOperator::automatic;
   double skip_tolerance = 0.0; ///< explicit: bonds whose displacements do not exceed it are skipped; below 0: none [m]
   bool seeded = false;         ///< -adapt_seed tip: `patches` lie at the tips of cracks, once the scene is settled
-  bool any() const { return everywhere || !patches.empty() || !cloud.empty() || seeded; }
+  bool to_come = false;        ///< there may be none until bulk is converted
+  bool any() const { return everywhere || !patches.empty() || !cloud.empty() || seeded || to_come; }
   bool bordered() const { return any() && !everywhere && cloud.empty(); } ///< do elements lie around patches?
   double spacing_of(std::size_t patch) const { return spacing.size() == 1 ? spacing[0] : spacing[patch]; }
 };
@@ -98,8 +99,10 @@ struct SceneOptions {
   /// Do bodies of material points stand beside elements or particles?
   bool mixed() const
   {
-    return points.any() && !solid && (pd.any() || mesh.cells[0] > 0 || !mesh.file.empty());
+    return points.any() && !solid && (pd.any() || mesh.cells[0] > 0 || !mesh.file.empty() || converts());
   }
+  /// May bulk become particles where no patch is?
+  bool converts() const { return layout.adapt != Adapt::none && layout.triggers.any(); }
   pd::Kinematics bond_kinematics() const
   {
     return kinematics == Kinematics::small ? pd::Kinematics::linear : pd::Kinematics::finite;

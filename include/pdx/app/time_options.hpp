@@ -27,6 +27,16 @@ struct CheckpointOptions {
 /// What patches do while cracks grow. expand: elements ahead become particles.
 enum class Adapt { none, expand, relocate };
 
+/// What makes bulk become particles besides bonds that broke: what it bears itself.
+struct Triggers {
+  bool connection = false; ///< bonds that a crack given from the start cuts, or that would be overstretched
+  bool stress = false, stretch = false;
+  double largest_stress = 0.0; ///< principal stress [Pa]
+  double stretch_share = 0.8;  ///< of the critical stretch [-]
+  int margin = 2;              ///< cells around
+  bool any() const { return connection || stress || stretch; }
+};
+
 /// When a scene changes its layout.
 struct LayoutOptions {
   int renew_interval = 0; ///< steps after which all is built anew as it was, to show that it changes nothing; 0: never
@@ -36,7 +46,8 @@ struct LayoutOptions {
   double critical_length = 0.0;    ///< damage as near to elements moves the border; 0: by horizon and elements [m]
   double expansion_length = 0.0;   ///< elements as near to such damage become particles; 0: likewise [m]
   double contraction_length = 0.0; ///< particles as far from all tips become elements again; 0: likewise [m]
-  int adapt_interval = 1;          ///< steps from one look for such damage to the next
+  int adapt_interval = 1;          ///< steps from one look for such damage, or what bulk bears, to the next
+  Triggers triggers;
   bool stops_at_border = false;    ///< where patches stay: does the run end when a crack comes to elements?
   track::Tracker tracker = track::Tracker::sides; ///< how cracks are followed that elements take over
   int expansions = 1;                             ///< after so many a patch hands back what lies behind [XPD2 Eq. 15]

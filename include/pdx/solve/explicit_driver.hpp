@@ -22,6 +22,7 @@ public:
 private:
   void choose_step() const;
   void judge_step(double length) const override;
+  double fitting_step(double length) const override;
   void evaluate(double time, std::span<double> a);
   StepOrigin origin() const override { return step_origin(ts_.get()); }
   void set_acceleration(const StepOrigin& origin, std::span<const double> a) override;

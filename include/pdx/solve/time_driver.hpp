@@ -70,6 +70,8 @@ protected:
   /// What is held is where it should be, and the acceleration follows from where all is.
   virtual void start(double time, std::span<double> a) = 0;
   virtual void judge_step(double length) const { (void)length; } ///< throws UserError for one that is too long
+  /// What a step becomes where it was chosen for another layout, and may be too long for this one [s].
+  virtual double fitting_step(double length) const { return length; }
   /// Takes internal forces that are no longer there out of the acceleration: the step that ended felt them, the next
   /// one does not.
   virtual void let_go(const field::ForceLosses& losses) = 0;
