@@ -215,4 +215,12 @@ std::vector<field::OutputBlock> output_blocks(const mesh::Mesh& mesh, const Scen
   blocks.push_back(particle_block<2>(options, scene, local, d.energy_density(local)));
   return blocks;
 }
+
+void add_velocity(const Discretisation& d, std::span<const double> velocity, std::vector<field::OutputBlock>& blocks)
+{
+  const auto first = 2 * static_cast<std::size_t>(d.system.rows.first_particle());
+  for (field::OutputBlock& block : blocks)
+    if (block.name == "particles")
+      block.fields.push_back(vector_field<2>("velocity [m/s]", velocity.subspan(first), d.particles.size()));
+}
 } // namespace pdx::app

@@ -189,6 +189,7 @@ void RunFiles::write_fields(double time, Vec u, const std::vector<double>& relat
     blocks = solid_blocks(options, *scene.solid, u);
   else
     blocks = output_blocks(*scene.mesh, options, *scene.d, u, relative_percent);
+  if (scene.d && scene.d->bodies && scene.d->bonds) add_velocity(*scene.d, velocity, blocks);
   if (scene.d && scene.d->points) {
     std::vector<double> local, v;
     scene.d->system.halo->gather(u, local);

@@ -143,11 +143,9 @@ LayoutOptions LayoutOptions::read()
                "how cracks are followed that elements take over: between the bodies that bonds hold together, or where "
                "the Laplacian of damage is lowest"));
   l.triggers = read_triggers(o);
-  l.adapt_interval = o.integer("-adapt_every", 0,
-                               "explicit: steps from one look for such bonds, or at what bulk bears, to the next; 0: 1, "
-                               "with -adapt_trigger 4",
-                               {0.0, 1e9});
-  if (l.adapt_interval == 0) l.adapt_interval = l.triggers.any() ? 4 : 1;
+  l.adapt_interval =
+      o.integer("-adapt_every", 1, "explicit: steps from one look for such bonds, or at what bulk bears, to the next",
+                {1.0, 1e9});
   static constexpr const char* at_border[] = {"warn", "stop"};
   l.stops_at_border = o.choice("-adapt_border", 0, at_border,
                                "where a crack comes within a horizon of elements and -adapt is none: a warning, or the "

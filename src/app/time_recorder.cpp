@@ -14,6 +14,7 @@ void TimeRecorder::built(const Standing& scene)
   files_.built(scene);
   d_ = scene.model;
   cracks_ = CrackWatch::make(files_);
+  if (files_.options.post.section >= 0 && !sections_) sections_.emplace(files_);
   if (!files_.options.output.history) return;
   std::vector<io::Column> columns{{"step", "-"}, {"time", "s"}};
   if (scene.points)
@@ -70,10 +71,12 @@ void TimeRecorder::take_scene(const Standing& scene, const solve::TimeDriver& dr
 
 TimeRecorder::Notes TimeRecorder::notes() const
 {
-  return {{"largest_energy", largest_energy_},
-          {"largest_residual", largest_residual_},
-          {"converted", converted_},
-          {"relocations", static_cast<double>(files_.summary.relocations)}};
+  Notes notes{{"largest_energy", largest_energy_},
+              {"largest_residual", largest_residual_},
+              {"converted", converted_},
+              {"relocations", static_cast<double>(files_.summary.relocations)}};
+  if (sections_) sections_->add_notes(notes);
+  return notes;
 }
 
 MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
@@ -111,6 +114,7 @@ MotionEnergies TimeRecorder::look(const solve::TimeDriver& driver)
   const MotionEnergies e = energies(driver);
   count(e);
   if (cracks_) cracks_->look(driver.time(), broken_.bonds);
+  if (sections_) sections_->look(driver.time(), broken_.bonds);
   largest_energy_ = std::max(largest_energy_, e.initial + e.work);
   largest_residual_ = std::max(largest_residual_, std::abs(e.residual()));
   if (files_.history && !told(driver)) write_history(driver, e);
@@ -128,6 +132,7 @@ void TimeRecorder::take_notes(const Notes& notes)
   largest_energy_ = notes.at("largest_energy");
   largest_residual_ = notes.at("largest_residual");
   converted_ = notes.at("converted");
+  if (sections_) sections_->take_notes(notes);
   files_.summary.relocations = std::llround(notes.at("relocations"));
 }
 
@@ -214,6 +219,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
     results["fracture_energy"] = e.stored.dissipated;
     results["critical_stretch"] = d_->critical_stretch;
   }
+  if (sections_) sections_->write_results(results);
   if (cracks_) {
     cracks_->write_results(results);
     cracks_->write_paths();

@@ -46,6 +46,7 @@ struct PostOptions {
   std::optional<std::array<double, 2>> j_domain; ///< half-widths of the ring of elements [m]
   bool energy_release = false;
   bool precrack_as_damage = false;
+  int section = -1;         ///< axis across which the first broken section is looked for; -1: none
   double tip_damage = 0.35; ///< of a particle beside a crack, see track::CrackTracker [-]
 
   bool any_j() const { return !j_contours.empty() || j_domain || energy_release; }

@@ -11,6 +11,8 @@ namespace pdx::app {
 std::vector<field::OutputBlock> output_blocks(const mesh::Mesh& mesh, const SceneOptions& options,
                                               const Discretisation& d, Vec u,
                                               const std::vector<double>& relative_percent);
+/// Adds the velocity of particles to their block. @param velocity of owned components [m/s]
+void add_velocity(const Discretisation& d, std::span<const double> velocity, std::vector<field::OutputBlock>& blocks);
 
 /// The particles of a solid, with the same fields. Collective.
 std::vector<field::OutputBlock> solid_blocks(const SceneOptions& options, const Solid& solid, Vec u);

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/app/crack_watch.hpp"
+#include "pdx/app/section_watch.hpp"
 #include "pdx/solve/time_driver.hpp"
 
 namespace pdx::app {
@@ -62,6 +63,7 @@ private:
   RunFiles& files_;
   const Model* d_ = nullptr;
   Model::Tiles tiles_;                 // of scenes that are gone
+  std::optional<SectionWatch> sections_;
   std::unique_ptr<CrackWatch> cracks_; // null where no crack can grow from a given tip
   StepLimits limits_;
   pd::Broken broken_;                   // of all ranks, at the last look

@@ -1,0 +1,31 @@
+#pragma once
+#include "pdx/app/run_files.hpp"
+
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace pdx::app {
+/// Looks for the first section across a body that is broken: a spall, with `-post_section x|y`. A section lies between
+/// two columns of particles that reach through the body, and is broken where all of both lie beside a crack
+/// (`-post_tip_damage`).
+class SectionWatch {
+public:
+  explicit SectionWatch(const RunFiles& files) : files_(files) {}
+
+  /// Looks if more bonds are broken than at the last look. Collective.
+  void look(double time, std::int64_t bonds_broken);
+  /// `spall_time`, `spall_position` and `spall_body` of the first that was found.
+  void write_results(nlohmann::ordered_json& results) const;
+  /// What a restarted run needs, by name, and the way back.
+  void add_notes(std::map<std::string, double>& notes) const;
+  void take_notes(const std::map<std::string, double>& notes);
+
+private:
+  const RunFiles& files_;
+  std::int64_t broken_ = 0;
+  double time_ = -1.0; // none yet [s]
+  double place_ = 0.0; // along the axis, from the body's corner [m]
+  Index body_ = 0;
+};
+} // namespace pdx::app
