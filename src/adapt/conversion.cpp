@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pdx::adapt {
 namespace {
@@ -19,30 +20,6 @@ struct Asking {
 
 using Gradients = Eigen::Matrix<double, 4, 2>;
 
-/// Gradients of the shape functions at four places of a cell, those of its points if it has 2 x 2; kept for the next
-/// cell, which mostly is as large.
-class CellGradients {
-public:
-  const std::array<Gradients, 4>& of(const Corners& corners)
-  {
-    const Vector<2> a = corners[1] - corners[0], b = corners[3] - corners[0], c = corners[2] - corners[0];
-    const double near = 1e-9 * (a.cwiseAbs() + b.cwiseAbs()).sum();
-    const bool same = (a - a_).cwiseAbs().sum() < near && (b - b_).cwiseAbs().sum() < near &&
-                      (c - a - b).cwiseAbs().sum() < near;
-    if (same) return at_;
-    for (int g = 0; g < 4; ++g)
-      at_[static_cast<std::size_t>(g)] =
-          fem::map_point(corners, Vector<2>(g % 2 ? 0.5 : -0.5, g / 2 ? 0.5 : -0.5)).gradients.transpose();
-    a_ = a;
-    b_ = (c - a - b).cwiseAbs().sum() < near ? b : Vector<2>(0.0, 0.0); // the next is told from a parallelogram only
-    return at_;
-  }
-
-private:
-  std::array<Gradients, 4> at_{};
-  Vector<2> a_ = Vector<2>::Zero(), b_ = Vector<2>::Zero();
-};
-
 /// Larger and smaller principal stretch less 1, of F = I + h: rotations feel nothing.
 std::array<double, 2> principal_strains(const Tensor<2>& h)
 {
@@ -50,65 +27,133 @@ std::array<double, 2> principal_strains(const Tensor<2>& h)
   const double plus = std::hypot(a + d, c - b), minus = std::hypot(a - d, c + b);
   return {0.5 * (plus + minus) - 1.0, 0.5 * (plus - minus) - 1.0};
 }
+} // namespace
 
-class Trial {
-public:
-  Trial(const SceneView& scene, const ConversionRule& rule, const BulkOfBodies& bulk, std::span<const double> local)
-      : scene_(scene), rule_(rule), bulk_(bulk), local_(local)
-  {}
+BulkWatch::BulkWatch(const SceneView& scene, const ConversionRule& rule, const BulkOfBodies& bulk) : rule_(rule)
+{
+  const mesh::Mesh& mesh = scene.mesh;
+  for (const mesh::Use use : {mesh::Use::plain, mesh::Use::points})
+    for (const Index c : mesh.cells(use)) {
+      if (c >= mesh.owned_cells() || !can_cover(scene, c)) continue;
+      Watched cell{c, {}, 0.0, 0.0, Vector<2>::Zero(), bulk.elastic(mesh.body(c))};
+      for (std::size_t a = 0; a < 4; ++a)
+        cell.rows[a] = scene.halo.local(scene.node_rows[static_cast<std::size_t>(mesh.cell(c)[a])]);
+      const Corners x = mesh.corners(c);
+      const double near = 1e-9 * (x[2] - x[0]).norm();
+      const bool box = is_box(x, near) && std::abs(x[1][1] - x[0][1]) < near && x[1][0] > x[0][0];
+      if (box) cell.inverse = (x[2] - x[0]).cwiseInverse();
+      const double exact = box ? 1.0 : 4.0; // bends of a slanted cell, amply
+      cell.along = exact / std::min((x[1] - x[0]).squaredNorm(), (x[2] - x[3]).squaredNorm());
+      cell.across = exact / std::min((x[3] - x[0]).squaredNorm(), (x[2] - x[1]).squaredNorm());
+      double least = std::numeric_limits<double>::infinity(); // displacement gradient that may be too much
+      if (rule.stretch) least = *rule.stretch;
+      if (rule.stress) least = std::min(least, *rule.stress / cell.elastic.principal_stress(1.0, 1.0));
+      cell.suspicious = least * least;
+      cells_.push_back(cell);
+    }
+}
 
-  bool asks(Index cell)
-  {
-    const auto corners = scene_.mesh.corners(cell);
-    Eigen::Matrix<double, 2, 4> u;
-    for (int a = 0; a < 4; ++a) {
-      const Index v = scene_.mesh.cell(cell)[static_cast<std::size_t>(a)];
-      const Index row = scene_.halo.local(scene_.node_rows[static_cast<std::size_t>(v)]);
-      u.col(a) = Eigen::Map<const Vector<2>>(&local_[2 * static_cast<std::size_t>(row)]);
-    }
-    const law::Elastic& elastic = bulk_.elastic(scene_.mesh.body(cell));
-    for (const Gradients& gradients : gradients_.of(corners)) {
-      const auto [large, small] = principal_strains(u * gradients);
-      if (rule_.stretch && large >= *rule_.stretch) return true;
-      if (rule_.stress && elastic.principal_stress(large, small) >= *rule_.stress) return true;
-    }
-    return false;
+/// Strains are no larger than the displacement gradient, and that of no more than differences along edges: most cells
+/// are let off by those.
+std::vector<Index> BulkWatch::asking(const mesh::Mesh& mesh, std::span<const double> local) const
+{
+  std::vector<Index> found;
+  const double* const u = local.data();
+  for (const Watched& cell : cells_) {
+    const double *u0 = u + 2 * cell.rows[0], *u1 = u + 2 * cell.rows[1], *u2 = u + 2 * cell.rows[2],
+                 *u3 = u + 2 * cell.rows[3];
+    const auto square = [](const double* p, const double* q) {
+      return (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]);
+    };
+    const double along = std::max(square(u1, u0), square(u2, u3)), across = std::max(square(u3, u0), square(u2, u1));
+    if (along * cell.along + across * cell.across < cell.suspicious) continue;
+    if (may_ask(cell, u) && asks(mesh, cell, local)) found.push_back(cell.cell);
   }
+  return found;
+}
 
-private:
-  const SceneView& scene_;
-  const ConversionRule& rule_;
-  const BulkOfBodies& bulk_;
-  std::span<const double> local_;
-  CellGradients gradients_;
-};
+void BulkWatch::leave_out(std::span<const Index> cells)
+{
+  std::erase_if(cells_, [cells](const Watched& watched) { return std::ranges::binary_search(cells, watched.cell); });
+}
 
+/// False only where no place of a box asks, whatever its rotation: with p, m = |(F11 +- F22, F21 -+ F12)| the principal
+/// stretches are (p +- m) / 2, and p <= 1 + p^2 / 4, nearly alike.
+bool BulkWatch::may_ask(const Watched& cell, const double* u) const
+{
+  if (cell.inverse[0] == 0.0) return true;
+  std::array<const double*, 4> at{};
+  for (std::size_t a = 0; a < 4; ++a) at[a] = u + 2 * cell.rows[a];
+  std::array<std::array<double, 2>, 2> along{}, across{}; // d u / d x below and above, d u / d y left and right
+  for (std::size_t d = 0; d < 2; ++d) {
+    const double below = (at[1][d] - at[0][d]) * cell.inverse[0], above = (at[2][d] - at[3][d]) * cell.inverse[0];
+    const double left = (at[3][d] - at[0][d]) * cell.inverse[1], right = (at[2][d] - at[1][d]) * cell.inverse[1];
+    along[0][d] = 0.75 * below + 0.25 * above;
+    along[1][d] = 0.25 * below + 0.75 * above;
+    across[0][d] = 0.75 * left + 0.25 * right;
+    across[1][d] = 0.25 * left + 0.75 * right;
+  }
+  bool any = false;
+  const double lambda = cell.elastic.lambda(), mu = cell.elastic.mu();
+  for (const auto& x : along)
+    for (const auto& y : across) {
+      const double sum = 2.0 + x[0] + y[1], turn = x[1] - y[0], gap = x[0] - y[1], shear = x[1] + y[0];
+      const double p = 1.0 + 0.25 * (sum * sum + turn * turn), m2 = gap * gap + shear * shear;
+      if (rule_.stretch) {
+        const double left = 2.0 * (1.0 + *rule_.stretch) - p;
+        any = any || left <= 0.0 || m2 >= left * left;
+      }
+      if (rule_.stress) {
+        const double left = (*rule_.stress + (lambda + mu) * (2.0 - p)) / mu;
+        any = any || left <= 0.0 || m2 >= left * left;
+      }
+    }
+  return any;
+}
+
+bool BulkWatch::asks(const mesh::Mesh& mesh, const Watched& cell, std::span<const double> local) const
+{
+  const Corners corners = mesh.corners(cell.cell);
+  Eigen::Matrix<double, 2, 4> u;
+  for (int a = 0; a < 4; ++a)
+    u.col(a) =
+        Eigen::Map<const Vector<2>>(&local[2 * static_cast<std::size_t>(cell.rows[static_cast<std::size_t>(a)])]);
+  for (int g = 0; g < 4; ++g) {
+    const Gradients gradients =
+        fem::map_point(corners, Vector<2>(g % 2 ? 0.5 : -0.5, g / 2 ? 0.5 : -0.5)).gradients.transpose();
+    const auto [large, small] = principal_strains(u * gradients);
+    if (rule_.stretch && large >= *rule_.stretch) return true;
+    if (rule_.stress && cell.elastic.principal_stress(large, small) >= *rule_.stress) return true;
+  }
+  return false;
+}
+
+namespace {
 /// That of a body's first patch, or what it begins with.
-geom::LatticeAnchor lattice_of(const SceneView& scene, const BulkOfBodies& bulk, Index body)
+geom::LatticeAnchor lattice_of(const SceneView& scene, std::span<const geom::LatticeAnchor> lattices, Index body)
 {
   for (const couple::Surroundings& around : scene.around)
     if (around.shape().body == body) return anchor_of(around.shape().lattice);
-  return bulk.lattices[static_cast<std::size_t>(body)];
+  return lattices[static_cast<std::size_t>(body)];
 }
 } // namespace
 
-std::vector<LayoutChange::Cover> conversion(const SceneView& scene, const ConversionRule& rule,
-                                            const BulkOfBodies& bulk, std::span<const double> local)
+std::vector<LayoutChange::Cover> conversion(const SceneView& scene, BulkWatch& watch,
+                                            std::span<const geom::LatticeAnchor> lattices,
+                                            std::span<const double> local)
 {
   const mesh::Mesh& mesh = scene.mesh;
-  Trial trial(scene, rule, bulk, local);
-  std::vector<Asking> asking;
-  for (const mesh::Use use : {mesh::Use::plain, mesh::Use::points})
-    for (const Index c : mesh.cells(use)) {
-      if (c >= mesh.owned_cells() || !can_cover(scene, c) || !trial.asks(c)) continue;
-      const geom::Box<2> box = box_of(mesh, c);
-      const Vector<2> more = (rule.margin - 0.5) * box.size(); // so that rounding leaves whole cells
-      const Vector<2> lower = box.lower - more, upper = box.upper + more;
-      asking.push_back({mesh.body(c), {lower[0], lower[1], upper[0], upper[1]}});
-    }
-  asking = gather_all(mesh.comm(), asking);
-  if (asking.empty()) return {};
+  std::vector<Index> cells = watch.asking(mesh, local);
+  if (!any_rank(mesh.comm(), !cells.empty())) return {};
   const HeldCells held(scene, true);
+  std::vector<Asking> asking;
+  for (const Index c : cells) {
+    const geom::Box<2> box = box_of(mesh, c);
+    const Vector<2> more = (watch.rule().margin - 0.5) * box.size(); // so that rounding leaves whole cells
+    const Vector<2> lower = box.lower - more, upper = box.upper + more;
+    asking.push_back({mesh.body(c), {lower[0], lower[1], upper[0], upper[1]}});
+  }
+  asking = gather_all(mesh.comm(), asking);
   std::vector<Found> mine;
   for (Index c = 0; c < mesh.owned_cells(); ++c) {
     if (!can_cover(scene, c) || held.has(c)) continue;
@@ -118,11 +163,14 @@ std::vector<LayoutChange::Cover> conversion(const SceneView& scene, const Conver
              box.lower[0] < by.box[2] && box.lower[1] < by.box[3];
     });
     if (!near) continue;
-    const geom::LatticeAnchor anchor = lattice_of(scene, bulk, mesh.body(c));
+    const geom::LatticeAnchor anchor = lattice_of(scene, lattices, mesh.body(c));
     const geom::Lattice<2> lattice{anchor.corner, anchor.spacing, {1, 1}};
     if (is_divided(mesh.corners(c), lattice) && !meets_another(scene, mesh.body(c), box, anchor))
       mine.push_back(found(mesh, c, box, anchor.spacing));
   }
-  return apart(gathered(mesh.comm(), mine));
+  std::vector<LayoutChange::Cover> covers = apart(gathered(mesh.comm(), mine));
+  std::ranges::sort(cells);
+  if (covers.empty()) watch.leave_out(cells);
+  return covers;
 }
 } // namespace pdx::adapt

@@ -6,7 +6,7 @@
 namespace pdx::adapt {
 /// A cell that is to become particles, as it is told to other ranks.
 struct Found {
-  Index cell;                ///< natural number
+  Index cell; ///< natural number
   Index body;
   std::array<double, 4> box; ///< lower and upper corner [m]
   double spacing;            ///< [m]

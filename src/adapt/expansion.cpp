@@ -1,7 +1,7 @@
 #include "pdx/adapt/expansion.hpp"
 
-#include "pdx/base/gather.hpp"
 #include "cover_list.hpp"
+#include "pdx/base/gather.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -72,8 +72,7 @@ bool can_expand(const SceneView& scene)
   bool any = false;
   for (Index c = 0; c < scene.mesh.owned_cells(); ++c)
     for (const couple::Surroundings& around : scene.around) {
-      any =
-          any || (can_cover(scene, c) && is_divided(scene.mesh.corners(c), around.shape().lattice));
+      any = any || (can_cover(scene, c) && is_divided(scene.mesh.corners(c), around.shape().lattice));
     }
   return any_rank(scene.mesh.comm(), any);
 }

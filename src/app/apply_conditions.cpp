@@ -63,8 +63,23 @@ private:
     }
   }
 
+  /// A side of a body of points is one of edges only where lines of its grid are.
+  void require_sides(const BoundaryCondition& c) const
+  {
+    if (!d_.point_plan || !mesh_.boundary(c.on)) return;
+    for (const mpm::Body<2>& of : d_.point_plan->bodies) {
+      const auto* edges = mesh_.boundary(of.name + ":" + c.on);
+      if (!edges || (!c.of.empty() && c.of != of.name) || any_rank(mesh_.comm(), !edges->empty())) continue;
+      throw UserError(
+          fmt::format("-bc_{0}_on is {1}: that side of {2} lies within cells of its grid, {3:g} m wide: make its "
+                      "length a whole number of cells, or choose by -bc_{0}_box",
+                      c.name, c.on, of.name, of.cell_size()));
+    }
+  }
+
   std::vector<mesh::BoundaryEdge> edges_of(const BoundaryCondition& c) const
   {
+    require_sides(c);
     const auto* edges = mesh_.boundary(c.of.empty() ? c.on : c.of + ":" + c.on);
     if (!edges)
       throw UserError(fmt::format("-bc_{}_on is {}: the mesh has no such boundary; it has {}", c.name, c.on,
@@ -143,8 +158,7 @@ private:
       for (std::size_t k = 0; k < d_.nodes.size(); ++k)
         if (c.on.empty() && is_of(c, k)) add_node(d_.nodes[k], c, acts, rows);
       for (std::size_t k = 0; k < d_.particles.size(); ++k)
-        if (is_of(c, d_.particles[k]) &&
-            (c.layer ? in_layer(c, d_.particles[k].x) : inside(c, d_.particles[k].x)))
+        if (is_of(c, d_.particles[k]) && (c.layer ? in_layer(c, d_.particles[k].x) : inside(c, d_.particles[k].x)))
           rows.insert(d_.system.rows.first_particle() + static_cast<Index>(k));
     }
     if (!any_rank(mesh_.comm(), !rows.empty()))

@@ -139,10 +139,11 @@ PostOptions PostOptions::read()
   p.energy_release = o.boolean("-post_energy_release", false,
                                "J as -dPi/da: two more solves, the tip moved either way by a lattice period");
   static constexpr const char* axes[] = {"none", "x", "y"};
-  p.section = o.choice("-post_section", 0, axes,
-                       "in time: axis along which the first section of particles that is broken right through is told, as "
-                       "spall_position and spall_time") -
-              1;
+  p.section =
+      o.choice("-post_section", 0, axes,
+               "in time: axis along which the first section of particles that is broken right through is told, as "
+               "spall_position and spall_time") -
+      1;
   p.tip_damage = o.real("-post_tip_damage", p.tip_damage, "-",
                         "in time: damage, precrack included, from which a particle lies beside a crack", {0.0, 1.0});
   p.precrack_as_damage = o.boolean("-post_precrack_as_damage", false, "count the bonds of given cracks as damage");

@@ -1,10 +1,12 @@
 #include "pdx/app/mixed_points.hpp"
 
+#include "pdx/app/seeds.hpp"
 #include "pdx/app/thrown_bodies.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/couple/contact_books.hpp"
 #include "pdx/geom/box_cover.hpp"
 #include "pdx/geom/clip.hpp"
+#include "pdx/mesh/gmsh.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,8 +33,7 @@ bool at_surface(const mpm::Body<2>& body, const Site<2>& cell, int point)
 /// Surface points of the bodies of a scene, of this rank.
 class Surface {
 public:
-  Surface(const mesh::Mesh& mesh, const Discretisation& d)
-      : mesh_(mesh), d_(d), scene_{mesh, d.node_rows, d.sets.get()}
+  Surface(const mesh::Mesh& mesh, const Discretisation& d) : mesh_(mesh), d_(d), scene_{mesh, d.node_rows, d.sets.get()}
   {}
 
   std::vector<couple::SurfacePoint<2>> points()
@@ -85,8 +86,7 @@ private:
           beside[d] += step;
           outer = outer || !around.exists(beside);
         }
-      if (outer)
-        add(kParticles | shape.names.of(site), shape.body, p.x, shape.lattice.dx, couple::Host::of_row(row));
+      if (outer) add(kParticles | shape.names.of(site), shape.body, p.x, shape.lattice.dx, couple::Host::of_row(row));
       ++row;
     }
   }
@@ -142,6 +142,18 @@ void add_contact(const mesh::Mesh& mesh, const SceneOptions& options, Discretisa
   d.system.after_step.push_back(std::move(books));
 }
 
+/// Runs a line in a box, for longer than `least` [m]?
+bool enters(std::span<const crack::Polyline> lines, const geom::Box<2>& box, double least)
+{
+  return std::ranges::any_of(lines, [&](const crack::Polyline& line) {
+    for (std::size_t p = 1; p < line.size(); ++p)
+      if (const auto part = geom::clip<2>(line[p - 1], line[p], box);
+          part && (part->leave - part->enter) * (line[p] - line[p - 1]).norm() >= least)
+        return true;
+    return false;
+  });
+}
+
 bool same_material(const law::Elastic& a, const law::Elastic& b)
 {
   return a.young == b.young && a.poisson == b.poisson && a.density == b.density;
@@ -159,8 +171,7 @@ bool stays(const mesh::Mesh& mesh, const SceneOptions& options, const PointPlan<
 }
 
 /// Particles are of one material, and take whole cells.
-void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const PointPlan<2>& plan,
-                   const crack::CrackSet& cracks)
+void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const PointPlan<2>& plan)
 {
   constexpr Index none = std::numeric_limits<Index>::max();
   std::array<Index, 3> first{none, none, none}; // cells: with points missing, of another material, with a crack
@@ -175,7 +186,8 @@ void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const Po
   }
   for (const Index c : mesh.cells(mesh::Use::points)) {
     const auto x = mesh.corners(c);
-    if (!cracks.empty() && (cracks.cuts(x[0], x[2]) || cracks.cuts(x[1], x[3])))
+    const Vector<2> rim = 1e-6 * (x[2] - x[0]); // along the border, too: nodes there have no two sides
+    if (enters(options.cracks.lines, {x[0] - rim, x[2] + rim}, 1e-3 * (x[2] - x[0]).norm()))
       first[2] = std::min(first[2], mesh.natural_cell(c) - plan.first_cell);
   }
   MPI_Allreduce(MPI_IN_PLACE, first.data(), 3, MPI_INT, MPI_MIN, mesh.comm());
@@ -223,15 +235,43 @@ void convert_along_cracks(const PointPlan<2>& plan, SceneOptions& options)
       const Vector<2> middle = 0.5 * (cell.lower + cell.upper);
       if (of.points[k] != mpm::full_mask<2>(of.material.ratio) || geom::hold(options.pd.patches, middle)) continue;
       const geom::Box<2> near{cell.lower.array() - reach, cell.upper.array() + reach};
-      const bool cut = std::ranges::any_of(options.cracks.lines, [&near](const crack::Polyline& line) {
-        for (std::size_t p = 1; p < line.size(); ++p)
-          if (geom::clip<2>(line[p - 1], line[p], near)) return true;
-        return false;
-      });
-      if (cut) boxes.push_back(cell);
+      if (mixed::enters(options.cracks.lines, near, 0.0)) boxes.push_back(cell);
     }
     for (const geom::Box<2>& box : geom::joined(std::move(boxes), 1e-6 * dx)) options.pd.patches.push_back(box);
   }
+}
+
+std::shared_ptr<const PointPlan<2>> settle_mixed(MPI_Comm comm, SceneOptions& options)
+{
+  mesh::MeshOptions& mesh = options.mesh;
+  double edge = std::numeric_limits<double>::infinity();
+  if (!mesh.file.empty())
+    edge = mesh::load(comm, mesh);
+  else if (mesh.cells[0] > 0)
+    edge = std::min(mesh.box.size()[0] / mesh.cells[0], mesh.box.size()[1] / mesh.cells[1]);
+  const bool elements = std::isfinite(edge);
+  auto plan = std::make_shared<PointPlan<2>>(plan_points<2>(options, edge));
+  for (const mpm::Body<2>& body : plan->bodies) options.points.regions.push_back(body.around());
+  if (elements) options.points.regions.push_back(mesh.box);
+  Index first[] = {plan->first_cell, plan->first_node}; // a file's are known where it was read
+  MPI_Bcast(first, 2, MPI_INT, 0, comm);
+  plan->first_cell = first[0];
+  plan->first_node = first[1];
+  double corners[] = {plan->mesh.box.lower[0], plan->mesh.box.lower[1], plan->mesh.box.upper[0],
+                      plan->mesh.box.upper[1]};
+  MPI_Bcast(corners, 4, MPI_DOUBLE, 0, comm);
+  plan->mesh.box = {{corners[0], corners[1]}, {corners[2], corners[3]}};
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  if (rank) { // a mesh begins on one rank; all know the names of its boundaries
+    mesh::CellList names;
+    names.boundaries = std::move(plan->mesh.list->boundaries);
+    *plan->mesh.list = std::move(names);
+  }
+  mesh = plan->mesh;
+  if (options.pd.seeded) plant_seeds(comm, options);
+  if (options.layout.triggers.connection) convert_along_cracks(*plan, options);
+  return plan;
 }
 
 void deal_cells(const PointPlan<2>& plan, mesh::Mesh& mesh)
@@ -245,12 +285,12 @@ void deal_cells(const PointPlan<2>& plan, mesh::Mesh& mesh)
   }
 }
 
-void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& patches,
-                const PointPlan<2>& plan, Discretisation& d)
+void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& patches, const PointPlan<2>& plan,
+                Discretisation& d)
 {
   d.point_plan = &plan;
   d.patch_plan = &patches;
-  mixed::judge_patches(mesh, options, plan, d.cracks);
+  mixed::judge_patches(mesh, options, plan);
   for (Index c = 0; c < mesh.cells(); ++c) d.stays.push_back(mixed::stays(mesh, options, plan, c));
   if (!any_rank(mesh.comm(), !mesh.cells(mesh::Use::points).empty())) return;
   static constexpr std::size_t kAround[] = {0, 1, 3, 2}; // corners of a cell, counter-clockwise, as x fastest

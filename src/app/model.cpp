@@ -2,14 +2,41 @@
 
 #include "pdx/geom/clip.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace pdx::app {
+namespace {
+constexpr double kOnSurface = 1e-9, kProlonged = 1e-3; // of a body: as `crack::CrackSet` has it of one box
+
+/// Cracks end on the surface of the bodies that they are in, not on that of the box around all.
+crack::CrackSet cracks_in_bodies(const SceneOptions& options)
+{
+  std::vector<geom::Box<2>> bodies; // that have a crack
+  double size = 0.0;
+  for (const geom::Box<2>& region : options.points.regions) {
+    const bool cracked = std::ranges::any_of(options.cracks.lines, [&region](const crack::Polyline& line) {
+      for (std::size_t p = 0; p + 1 < line.size(); ++p)
+        if (region.contains(0.5 * (line[p] + line[p + 1]), -kOnSurface * region.size().norm())) return true;
+      return false;
+    });
+    if (!cracked) continue;
+    bodies.push_back(region);
+    size = std::max(size, region.size().norm());
+  }
+  const auto inside = [bodies](const Vector<2>& x) {
+    return std::ranges::any_of(
+        bodies, [&x](const geom::Box<2>& body) { return body.contains(x, -kOnSurface * body.size().norm()); });
+  };
+  return {options.cracks.lines, inside, kProlonged * size};
+}
+} // namespace
+
 crack::CrackSet cracks_in(const SceneOptions& options, const geom::Box<2>& body)
 {
   const auto& lines = options.cracks.lines;
   const auto text = [&options](const Vector<2>& x) { return options.frame.text(x); };
-  crack::CrackSet cracks(lines, body);
+  crack::CrackSet cracks = options.points.regions.empty() ? crack::CrackSet(lines, body) : cracks_in_bodies(options);
   for (std::size_t k = 0; k < lines.size(); ++k) {
     bool inside = lines[k].size() < 2; // another error
     for (std::size_t p = 0; p + 1 < lines[k].size(); ++p)

@@ -8,6 +8,7 @@
 #include "pdx/base/options.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <utility>
 
@@ -17,7 +18,8 @@ namespace {
 struct Usual {
   double horizons, elements;
 };
-constexpr Usual kCritical[] = {{2.0, 0.0}, {3.0, 1.0}}; // static, in time
+constexpr double kConnected = 4.0 / 3.0, kDisconnected = 3.0; // horizons, with the trigger connection alone
+constexpr Usual kCritical[] = {{2.0, 0.0}, {3.0, 1.0}};       // static, in time
 constexpr Usual kExpansion[] = {{4.0, 0.0}, {7.0, 2.0}};
 constexpr Usual kContraction[] = {{4.0, 0.0}, {8.0, 2.4}};
 
@@ -64,6 +66,7 @@ double expansion_length(const SceneOptions& options, double horizon, double elem
 
 void PatchMover::judge(const SceneOptions& s)
 {
+  judge_triggers(s);
   if (s.layout.adapt == Adapt::none) refuse_lengths(s);
   if (s.layout.adapt != Adapt::relocate)
     for (const char* name : {"-adapt_contraction_length", "-adapt_expansions", "-adapt_tracker"})
@@ -79,7 +82,6 @@ void PatchMover::judge(const SceneOptions& s)
     throw UserError("-adapt (-layout_renew_box): implicit steps keep their layout; give -analysis explicit or static");
   if (s.scheme != couple::Scheme::energy)
     throw UserError("-adapt (-layout_renew_box) makes patches of any shape, which need -couple_scheme energy");
-  judge_triggers(s);
   if (s.layout.adapt == Adapt::none) return;
   if (!s.fracture.active())
     throw UserError("-adapt follows what breaks: give -material_toughness or -pd_critical_stretch");
@@ -103,7 +105,7 @@ std::vector<adapt::Reaches> PatchMover::reaches(const adapt::SceneView& scene, c
 std::string PatchMover::begin(const adapt::SceneView& scene, const PatchPlan& plan) const
 {
   for (const auto& [critical, expansion] : reaches(scene, plan))
-    if (expansion <= critical)
+    if (expansion <= critical && std::isfinite(critical))
       throw UserError(
           fmt::format("-adapt_expansion_length is {:g}: must be above the {:g} of -adapt_critical_length, or "
                       "patches never move away from what broke",
@@ -146,11 +148,8 @@ std::string PatchMover::border(const adapt::SceneView& scene, const PatchPlan& p
   return words;
 }
 
-std::vector<adapt::LayoutChange::Cover> PatchMover::converted(const adapt::SceneView& scene,
-                                                              std::span<const double> local) const
+adapt::BulkWatch PatchMover::bulk_watch(const adapt::SceneView& scene) const
 {
-  static Event event("adapt_convert");
-  const Timed timed(event);
   const Triggers& triggers = options_.layout.triggers;
   const double dx = options_.pd.spacing[0];
   const pd::Stencil<2> stencil =
@@ -163,13 +162,24 @@ std::vector<adapt::LayoutChange::Cover> PatchMover::converted(const adapt::Scene
   if (triggers.connection) rule.stretch = critical;
   if (triggers.stretch) rule.stretch = triggers.stretch_share * critical;
   if (triggers.connection && triggers.stretch) rule.stretch = std::min(critical, triggers.stretch_share * critical);
-  const std::vector<geom::LatticeAnchor> lattices = body_lattices(options_);
   const auto& bodies = options_.points.bodies;
   const auto elastic = [&](Index body) -> const law::Elastic& {
     const auto b = static_cast<std::size_t>(body);
     return b < bodies.size() ? bodies[b].elastic : options_.elastic;
   };
-  return adapt::conversion(scene, rule, {elastic, lattices}, local);
+  return {scene, rule, {elastic}};
+}
+
+std::vector<adapt::LayoutChange::Cover> PatchMover::converted(const adapt::SceneView& scene,
+                                                              std::span<const double> local)
+{
+  static Event event("adapt_convert");
+  const Timed timed(event);
+  if (!watch_) {
+    watch_.emplace(bulk_watch(scene));
+    lattices_ = body_lattices(options_);
+  }
+  return adapt::conversion(scene, *watch_, lattices_, local);
 }
 
 namespace {
@@ -189,9 +199,13 @@ adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const PatchP
 {
   static Event event("adapt_look");
   adapt::LayoutChange change;
-  if (broke_more(scene.mesh.comm(), broken)) {
+  const Triggers& triggers = options_.layout.triggers;
+  if ((triggers.damage || triggers.connection) && broke_more(scene.mesh.comm(), broken)) {
     const Timed timed(event);
-    change.cover = adapt::expansion(scene, reaches(scene, plan), seen_.news(scene), options_.time.dynamic());
+    std::vector<adapt::Reaches> reach = reaches(scene, plan);
+    for (std::size_t p = 0; p < reach.size() && !triggers.damage; ++p) // bonds of bulk are as long as a horizon
+      reach[p] = {kConnected * plan.stencils[p].horizon, kDisconnected * plan.stencils[p].horizon};
+    change.cover = adapt::expansion(scene, reach, seen_.news(scene), options_.time.dynamic());
   }
   if (options_.layout.triggers.any()) join(change.cover, converted(scene, local));
   if (!change.cover.empty()) ++expansions_;

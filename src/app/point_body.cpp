@@ -27,7 +27,6 @@ template <int Dim> void add_points(const PointPlan<Dim>& plan, PointBody<Dim>& b
   body.system.terms.push_back(std::move(term));
 }
 
-
 template <int Dim> std::string described(const PointPlan<Dim>& plan)
 {
   Fingerprint fingerprint;

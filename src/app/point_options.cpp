@@ -63,6 +63,9 @@ PointShape read_shape(Options& o, const std::string& stem, bool solid, bool desc
   PointShape shape;
   read_box(o, stem, solid, shape);
   shape.disc = ball_of(stem + "_disc", numbers(o, stem + "_disc", 3, "a disc: x,y,radius (solid: a cylinder along z)"));
+  shape.hole = ball_of(stem + "_hole", numbers(o, stem + "_hole", 3,
+                                               "a round hole x,y,radius: cells of the grid with their middle in it are "
+                                               "left out"));
   shape.sphere = ball_of(stem + "_sphere", numbers(o, stem + "_sphere", 4, "solid: a sphere: x,y,z,radius"));
   read_polygon(o, stem, shape);
   shape.file = o.text(stem + "_file", "", "points on a lattice from a file *.csv or *.h5, as of -pd_cloud");
@@ -157,6 +160,7 @@ PointShape PointShape::inside(const geom::Frame& frame) const
   if (box) moved.box = geom::Box<3>{frame.inside(box->lower), frame.inside(box->upper)};
   if (disc) moved.disc->centre = frame.inside(disc->centre);
   if (sphere) moved.sphere->centre = frame.inside(sphere->centre);
+  if (hole) moved.hole->centre = frame.inside(hole->centre);
   for (Vector<2>& x : moved.polygon) x = frame.inside(x);
   if (z_lower < z_upper) {
     moved.z_lower = frame.inside(Vector<3>(0.0, 0.0, z_lower))[2];
@@ -242,10 +246,10 @@ namespace {
 /// What has no meaning where material points stand alone, or beside elements and particles.
 void refuse_other_physics(const SceneOptions& s)
 {
-  static constexpr const char* never[] = {"-pd_cloud",         "-post_j_contours", "-post_j_domain",
-                                          "-post_j_centre",    "-post_energy_release", "-post_reference_fe"};
-  static constexpr const char* alone[] = {"-crack_names",     "-material_toughness", "-pd_critical_stretch",
-                                          "-kinematics",      "-xfem_quadrature",    "-adapt",
+  static constexpr const char* never[] = {"-pd_cloud",      "-post_j_contours",     "-post_j_domain",
+                                          "-post_j_centre", "-post_energy_release", "-post_reference_fe"};
+  static constexpr const char* alone[] = {"-crack_names",  "-material_toughness", "-pd_critical_stretch",
+                                          "-kinematics",   "-xfem_quadrature",    "-adapt",
                                           "-couple_scheme"};
   const Options o("mpm");
   for (const char* name : never)

@@ -138,8 +138,9 @@ template <int Dim> geom::Box<3> around_file(const PointBodyOptions& options)
   return box;
 }
 
+namespace {
 template <int Dim>
-mpm::Body<Dim> body_of(const PointBodyOptions& options, const mpm::BodyMaterial& material, const geom::Frame& frame)
+mpm::Body<Dim> whole_body(const PointBodyOptions& options, const mpm::BodyMaterial& material, const geom::Frame& frame)
 {
   const PointShape& shape = options.shape;
   if (shape.box) return box_body<Dim>(options, material);
@@ -147,6 +148,22 @@ mpm::Body<Dim> body_of(const PointBodyOptions& options, const mpm::BodyMaterial&
   if (shape.sphere) return round_body<Dim>(options, material, *shape.sphere, 3);
   if (!shape.polygon.empty()) return polygon_body<Dim>(options, material);
   return file_body<Dim>(options, material, frame);
+}
+} // namespace
+
+template <int Dim>
+mpm::Body<Dim> body_of(const PointBodyOptions& options, const mpm::BodyMaterial& material, const geom::Frame& frame)
+{
+  mpm::Body<Dim> body = whole_body<Dim>(options, material, frame);
+  if (!options.shape.hole) return body;
+  const PointShape::Ball& hole = *options.shape.hole;
+  for (std::size_t k = 0; k < body.points.size(); ++k) {
+    const Vector<Dim> middle = body.node(body.cell(static_cast<std::int64_t>(k))).array() + 0.5 * body.cell_size();
+    const Vector<2> away = middle.template head<2>() - hole.centre.template head<2>();
+    if (away.squaredNorm() < hole.radius * hole.radius * (1.0 - kOnRim)) body.points[k] = 0;
+  }
+  if (body.count() == 0) throw UserError(fmt::format("-mpm_{0}_hole: nothing of {0} is left", options.name));
+  return body;
 }
 
 #define PDX_INSTANTIATE(Dim)                                                                                           \

@@ -88,8 +88,8 @@ std::string help_text()
     text += fmt::format("  {:<28} {}{}\n{:31}default {}; {}\n", doc.name, doc.help,
                         doc.unit.empty() ? "" : " [" + doc.unit + "]", "", doc.default_value, doc.allowed);
   }
-  text += "\nCrack faces, elements and particles do not touch: there is contact between bodies of -mpm_bodies only, "
-          "all else passes through what it meets.\n";
+  text += "\nCrack faces and parts of a mesh do not touch: there is contact between bodies of a scene with -mpm_bodies "
+          "only, all else passes through what it meets.\n";
   return text +
          "\nSolver options are PETSc's: -snes_..., -ksp_..., -pc_..., -mg_levels_..., -mg_coarse_..., -log_view.\n";
 }

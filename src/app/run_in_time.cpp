@@ -117,8 +117,8 @@ private:
     if (step >= driver_->expected_steps()) return false;
     change_ = {};
     if (mover_.follows() && step % when.adapt_interval == 0)
-      change_ = mover_.look(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds,
-                            driver_->local());
+      change_ =
+          mover_.look(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds, driver_->local());
     if (mover_.may_contract()) files_.told_if_refused([&] { add_what_lies_behind(); });
     uneven_ = balance_.due(*driver_) && change_.empty(); // one after the other: what leaves is told by cells
     const bool renewed = when.renew_interval > 0 && step % when.renew_interval == 0;
@@ -188,6 +188,7 @@ private:
       ++files_.summary.relocations;
     }
     balance_.leave(*driver_);
+    mover_.leave_scene();
     driver_.reset();
     rebuild(moves && !uneven_);
     add_dormant(files_.comm(), state, dormant_);

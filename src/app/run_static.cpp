@@ -190,7 +190,7 @@ private:
       d_->system.halo->fetch(u, now.state.dim, local);
       const std::span<const double> fields[] = {local};
       add_rows(now.state, adapt::fill(d_->view(ground_->mesh), change_,
-                                       patch_shapes(layout_.changed(change_).in(files_.options)), fields));
+                                      patch_shapes(layout_.changed(change_).in(files_.options)), fields));
       now.left = adapt::leaving(d_->view(ground_->mesh), change_.uncover, fields);
     }
     add_dormant(files_.comm(), now.state, dormant_); // to the rows that are new, too

@@ -3,13 +3,10 @@
 #include "pdx/app/mixed_points.hpp"
 #include "pdx/app/particle_warnings.hpp"
 #include "pdx/app/point_body.hpp"
-#include "pdx/app/seeds.hpp"
 #include "pdx/app/solid.hpp"
 #include "pdx/base/stop_signals.hpp"
 #include "pdx/mesh/gmsh.hpp"
 #include "pdx/solve/stable_step.hpp"
-
-#include <cmath>
 
 namespace pdx::app {
 namespace {
@@ -226,35 +223,8 @@ SceneMaker cloud_scene(MPI_Comm comm, SceneOptions& options)
 
 SceneMaker mixed_scene(MPI_Comm comm, SceneOptions& options)
 {
-  mesh::MeshOptions& mesh = options.mesh;
-  double edge = std::numeric_limits<double>::infinity();
-  if (!mesh.file.empty())
-    edge = mesh::load(comm, mesh);
-  else if (mesh.cells[0] > 0)
-    edge = std::min(mesh.box.size()[0] / mesh.cells[0], mesh.box.size()[1] / mesh.cells[1]);
-  const bool elements = std::isfinite(edge);
-  auto plan = std::make_shared<PointPlan<2>>(plan_points<2>(options, edge));
-  for (const mpm::Body<2>& body : plan->bodies) options.points.regions.push_back(body.around());
-  if (elements) options.points.regions.push_back(mesh.box);
-  Index first[] = {plan->first_cell, plan->first_node}; // a file's are known where it was read
-  MPI_Bcast(first, 2, MPI_INT, 0, comm);
-  plan->first_cell = first[0];
-  plan->first_node = first[1];
-  double corners[] = {plan->mesh.box.lower[0], plan->mesh.box.lower[1], plan->mesh.box.upper[0],
-                      plan->mesh.box.upper[1]};
-  MPI_Bcast(corners, 4, MPI_DOUBLE, 0, comm);
-  plan->mesh.box = {{corners[0], corners[1]}, {corners[2], corners[3]}};
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  if (rank) { // a mesh begins on one rank; all know the names of its boundaries
-    mesh::CellList names;
-    names.boundaries = std::move(plan->mesh.list->boundaries);
-    *plan->mesh.list = std::move(names);
-  }
-  mesh = plan->mesh;
-  if (options.pd.seeded) plant_seeds(comm, options);
-  if (options.layout.triggers.connection) convert_along_cracks(*plan, options);
-  return [comm, &options, plan](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
+  return [comm, &options, plan = settle_mixed(comm, options)](
+             const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
     return std::make_unique<PlaneScene>(comm, layout.in(options), costs, plan);
   };
 }

@@ -3,7 +3,9 @@
 #include "pdx/base/gather.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <tuple>
 
 namespace pdx::app {
@@ -11,9 +13,9 @@ namespace sections {
 /// A column of particles across the axis, as one rank or all see it.
 struct Column {
   Index body;
-  std::int64_t lattice, number; ///< of the body's lattice, along the axis
-  std::int64_t particles, damaged;
-  double place; ///< of the particles along the axis [m]
+  std::int64_t lattice, number;             ///< of the body's lattice, along the axis
+  std::int64_t particles, touched, damaged; ///< touched: lost a bond; damaged: lies beside a crack
+  double place;                             ///< of the particles along the axis [m]
   double spacing;
 
   bool operator<(const Column& other) const
@@ -30,6 +32,7 @@ void sum_alike(std::vector<Column>& columns)
   for (const Column& column : columns)
     if (!sums.empty() && sums.back().same_body(column) && sums.back().number == column.number) {
       sums.back().particles += column.particles;
+      sums.back().touched += column.touched;
       sums.back().damaged += column.damaged;
     } else
       sums.push_back(column);
@@ -46,8 +49,8 @@ std::vector<Column> columns_here(const RunFiles& files, std::size_t axis)
     const couple::PatchShape& shape = files.scene.plan->shapes[static_cast<std::size_t>(particle.patch)];
     const std::int64_t number = shape.names.first[axis] + shape.active.site(particle.site)[axis];
     const bool damaged = all.damage[k] + all.precrack[k] >= files.options.post.tip_damage;
-    columns.push_back({files.scene.mesh->body(particle.cell), shape.names.lattice, number, 1, damaged,
-                       particle.x[static_cast<Eigen::Index>(axis)], shape.lattice.dx});
+    columns.push_back({files.scene.mesh->body(particle.cell), shape.names.lattice, number, 1, all.damage[k] > 1e-9,
+                       damaged, particle.x[static_cast<Eigen::Index>(axis)], shape.lattice.dx});
   }
   sum_alike(columns);
   return columns;
@@ -59,38 +62,46 @@ void SectionWatch::look(double time, std::int64_t bonds_broken)
   using sections::Column;
   if (time_ >= 0.0 || bonds_broken == broken_ || !files_.scene.d || !files_.scene.d->bonds) return;
   broken_ = bonds_broken;
-  std::vector<Column> columns = gather_all(
-      files_.comm(), sections::columns_here(files_, static_cast<std::size_t>(files_.options.post.section)));
+  std::vector<Column> columns =
+      gather_all(files_.comm(), sections::columns_here(files_, static_cast<std::size_t>(files_.options.post.section)));
   sections::sum_alike(columns);
+  for (const Column& column : columns)
+    if (column.touched) begun_.try_emplace({column.body, column.lattice, column.number}, time);
   const auto parted = [&](const Column& column) { // right through the body
     std::int64_t most = 0;
     for (const Column& other : columns)
       if (other.same_body(column)) most = std::max(most, other.particles);
     return column.damaged == most;
   };
-  double sum = 0.0; // what broke at one look in the first body is one section
-  std::int64_t count = 0;
-  const Column* first = nullptr;
+  const auto begun = [this](const Column& column) { return begun_.at({column.body, column.lattice, column.number}); };
+  std::vector<const Column*> found; // of sections that broke at one look, those that began first
   for (std::size_t k = 0; k + 1 < columns.size(); ++k) {
     const Column &column = columns[k], &next = columns[k + 1];
     if (!next.same_body(column) || next.number != column.number + 1 || !parted(column) || !parted(next)) continue;
-    if (!first) first = &column;
-    if (!first->same_body(column)) continue;
-    sum += column.place + 0.5 * column.spacing;
-    ++count;
+    const double start = std::max(begun(column), begun(next));
+    if (found.empty() || start < time_) {
+      found = {&column};
+      time_ = start;
+    } else if (start == time_ && found[0]->same_body(column))
+      found.push_back(&column);
   }
-  if (!first) return;
-  time_ = time;
-  place_ = sum / static_cast<double>(count);
-  body_ = first->body;
+  if (found.empty()) return;
+  place_ = 0.0;
+  for (const Column* column : found)
+    place_ += (column->place + 0.5 * column->spacing) / static_cast<double>(found.size());
+  body_ = found[0]->body;
+  through_ = time;
 }
 
 void SectionWatch::write_results(nlohmann::ordered_json& results) const
 {
   if (time_ < 0.0) return;
   results["spall_time"] = time_;
+  results["spall_through_time"] = through_;
   const auto axis = static_cast<Eigen::Index>(files_.options.post.section);
-  results["spall_position"] = place_ + files_.options.frame.origin()[axis];
+  Vector<2> place = Vector<2>::Zero();
+  place[axis] = place_;
+  results["spall_position"] = std::stod(fmt::format("{:.10g}", files_.options.frame.given<2>(place)[axis]));
   const auto& bodies = files_.options.points.bodies;
   if (static_cast<std::size_t>(body_) < bodies.size())
     results["spall_body"] = bodies[static_cast<std::size_t>(body_)].name;
@@ -98,7 +109,10 @@ void SectionWatch::write_results(nlohmann::ordered_json& results) const
 
 void SectionWatch::add_notes(std::map<std::string, double>& notes) const
 {
+  for (const auto& [column, time] : begun_)
+    notes[fmt::format("section_begun {} {} {}", column[0], column[1], column[2])] = time;
   notes["section_time"] = time_;
+  notes["section_through"] = through_;
   notes["section_place"] = place_;
   notes["section_body"] = body_;
 }
@@ -109,7 +123,15 @@ void SectionWatch::take_notes(const std::map<std::string, double>& notes)
     const auto found = notes.find(name);
     return found == notes.end() ? none : found->second;
   };
+  begun_.clear();
+  for (const auto& [name, time] : notes) {
+    std::istringstream words(name);
+    std::string what;
+    std::array<std::int64_t, 3> column{};
+    if (words >> what >> column[0] >> column[1] >> column[2] && what == "section_begun") begun_[column] = time;
+  }
   time_ = note("section_time", -1.0);
+  through_ = note("section_through", -1.0);
   place_ = note("section_place", 0.0);
   body_ = static_cast<Index>(note("section_body", 0.0));
 }

@@ -68,6 +68,7 @@ Triggers read_triggers(Options& o)
 {
   static constexpr const char* kinds[] = {"damage", "connection", "stress", "stretch"};
   Triggers t;
+  t.damage = false;
   const std::vector<std::string> names =
       o.texts("-adapt_trigger", {"damage"},
               "what makes elements and material points particles, with -adapt expand: damage = bonds that broke near; "
@@ -75,12 +76,12 @@ Triggers read_triggers(Options& o)
   for (const std::string& name : names) {
     const auto kind = std::ranges::find(kinds, name) - std::begin(kinds);
     if (kind == std::ssize(kinds))
-      throw UserError(fmt::format("-adapt_trigger has \"{}\": must be of damage, connection, stress, stretch",
-                                  shown(name)));
-    (kind == 1 ? t.connection : kind == 2 ? t.stress : kind == 3 ? t.stretch : t.connection) |= kind > 0;
+      throw UserError(
+          fmt::format("-adapt_trigger has \"{}\": must be of damage, connection, stress, stretch", shown(name)));
+    (kind == 0 ? t.damage : kind == 1 ? t.connection : kind == 2 ? t.stress : t.stretch) = true;
   }
-  t.largest_stress = o.real("-adapt_stress", 0.0, "Pa", "largest principal stress that bulk bears, for the trigger stress",
-                            Range::at_least(0.0));
+  t.largest_stress = o.real("-adapt_stress", 0.0, "Pa",
+                            "largest principal stress that bulk bears, for the trigger stress", Range::at_least(0.0));
   t.stretch_share = o.real("-adapt_stretch", 0.8, "-",
                            "share of the critical stretch that bulk bears, for the trigger stretch", Range::positive());
   t.margin = o.integer("-adapt_margin", 2, "cells around what asks that become particles with it", {0.0, 1e6});

@@ -88,9 +88,10 @@ MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
   e.initial = driver.clock().initial;
   e.converted = converted_;
   const pd::Broken broken = d_->breaker ? d_->breaker->mine() : pd::Broken{};
-  double sums[] = {e.stored.elements, e.stored.bonds,   e.stored.interface, broken.energy,
-                   e.stored.points,   e.stored.contact, e.stored.friction,  driver.moving().work(),
-                   files_.scene.d ? files_.scene.d->kinetic_of_points(driver.v()) : 0.0};
+  double sums[] = {
+      e.stored.elements, e.stored.bonds,         e.stored.interface,
+      broken.energy,     e.stored.points,        e.stored.contact,
+      e.stored.friction, driver.moving().work(), files_.scene.d ? files_.scene.d->kinetic_of_points(driver.v()) : 0.0};
   MPI_Allreduce(MPI_IN_PLACE, sums, 9, MPI_DOUBLE, MPI_SUM, files_.comm());
   e.stored = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6]};
   e.work = sums[7];

@@ -71,6 +71,17 @@ BODIES = {key: value for key, value in PLATE.items() if not key.startswith(("-bc
     "-bc_left_on": "left",
     "-bc_left_displacement": "0,0",
 }
+# The first of them with four particles in its middle, the second struck by elements.
+MIXED = BODIES | {
+    "-material_poisson": "0.33333333333333333",
+    "-mesh_lower": "2,0",
+    "-mesh_upper": "2.8,0.4",
+    "-mesh_cells": "4,2",
+    "-pd_patches": "0.2,0,0.6,0.4",
+    "-pd_spacing": "0.1",
+    "-pd_horizon_ratio": "3",
+    "-pd_critical_stretch": "0.01",
+}
 # 10 x 8 particles 0.1 m apart from a file, those of the left column in set 1; moved at the left, pulled at the top.
 CLOUD = {key: value for key, value in PLATE.items() if not key.startswith(("-bc_", "-mesh_"))} | {
     "-pd_cloud": "{dir}/good.csv",
@@ -142,7 +153,7 @@ def on(base):
     return lambda name, pattern, **change: Case(name, {f"-{key}": value for key, value in change.items()}, pattern, base)
 
 
-plate, patch, solid, points = map(on, (PLATE, PATCH, SOLID, BODIES))
+plate, patch, solid, points, mixed = map(on, (PLATE, PATCH, SOLID, BODIES, MIXED))
 
 
 def cloud(name, pattern, **change):
@@ -473,7 +484,31 @@ CASES = [
     points("polygon of two corners", r"-mpm_two_polygon\b.*three corners", mpm_two_box=None, mpm_two_polygon="1,0,2,0"),
     points("condition on a body that is not there", r"-bc_left_of is three\b.*bodies are one, two", bc_left_of="three"),
     points("points in equilibrium", r"material points move\b.*-analysis explicit", analysis=None, ts_max_steps=None),
-    points("points beside a patch", r"-pd_patches\b.*-mpm_bodies", pd_patches="all", pd_spacing="0.1"),
+    points("points that are all particles", r"-pd_patches all\b.*give the boxes", pd_patches="all", pd_spacing="0.1",
+           material_poisson="0.33333333333333333"),
+    points("toughness of points alone", r"-material_toughness\b.*-pd_patches or a mesh", material_toughness="5"),
+    # --- points beside elements and particles
+    mixed("small strains of bodies that turn", r"-kinematics small\b.*finite", kinematics="small"),
+    mixed("implicit steps", r"-analysis explicit", analysis="implicit", ts_dt="1e-6"),
+    mixed("another coupling", r"-couple_scheme energy", couple_scheme="ghost"),
+    mixed("a body by the name of elements", r"-mpm_bodies: mesh\b.*another name", mpm_bodies="mesh,two",
+          mpm_mesh_box="0,0,0.8,0.4", mpm_one_box=None, mpm_one_velocity=None, bc_left_of="two"),
+    mixed("a patch that cuts cells of points", r"-pd_patches: patch 1\b.*cuts elements", pd_patches="0.1,0,0.5,0.4"),
+    mixed("a patch in another material", r"-pd_patches\b.*one is of another\s+material", mpm_one_young="2e9"),
+    mixed("a crack in points", r"crack runs through material points of two\b.*-adapt_trigger connection", crack_names="a",
+          crack_a_points="1.1,0.2,1.5,0.2"),
+    mixed("a side within cells", r"-bc_left_on is right\b.*one lies within cells", mpm_one_box="0,0,0.7,0.4", bc_left_on="right",
+          pd_patches="0.2,0,0.4,0.4"),
+    mixed("a word that is no trigger", r"-adapt_trigger has \"bend\"\B.*connection", adapt="expand", adapt_trigger="bend"),
+    mixed("a trigger without conversion", r"-adapt_trigger\b.*-adapt expand", adapt_trigger="stretch"),
+    mixed("a trigger where patches hand back", r"-adapt relocate\b.*-adapt expand", adapt="relocate", adapt_trigger="stretch"),
+    mixed("a stress trigger without a strength", r"-adapt_stress is missing", adapt="expand", adapt_trigger="stress"),
+    mixed("a strength without its trigger", r"-adapt_stress\b.*-adapt_trigger stress", adapt="expand", adapt_stress="1e6"),
+    mixed("a share without its trigger", r"-adapt_stretch\b.*-adapt_trigger stretch", adapt="expand", adapt_stretch="0.5"),
+    mixed("a margin without a trigger", r"-adapt_margin\b.*-adapt_trigger", adapt="expand", adapt_margin="3"),
+    points("triggers without a spacing", r"-pd_spacing is missing", adapt="expand", adapt_trigger="stretch",
+           pd_critical_stretch="0.01", material_poisson="0.33333333333333333"),
+    points("a hole that takes all", r"-mpm_two_hole: nothing of two is left", mpm_two_hole="1.4,0.2,3"),
     points("point force on points", r"-bc_left_force\b.*-bc_left_body", bc_left_force="1,0", bc_left_at="0,0"),
     points("side that points have not", r"-bc_left_on\b.*lefft.*left.*top", bc_left_on="lefft"),
     points("held side within a cell", r"-bc_left_on is right\b.*within a cell.*whole number", mpm_one_box="0,0,0.7,0.4",
@@ -512,6 +547,8 @@ GOOD = [
                               "-bc_left_set": None, "-bc_left_box": "0,0,0.1,1", "-bc_left_velocity": "1,free,0",
                               "-bc_top_force": "0,1e5,3"}, "", CLOUD),
     Case("two bodies of points", {}, "", BODIES),
+    Case("points beside elements and particles", {}, "", MIXED),
+    Case("points that may become particles", {"-adapt": "expand", "-adapt_trigger": "connection,stretch"}, "", MIXED),
     Case("bodies of points in touch", {"-mpm_two_box": "0.8,0,1.6,0.4"}, "", BODIES),
     Case("traction and displacement on one boundary", {"-bc_left_traction": "0,1e5"}, "", PLATE),
 ]

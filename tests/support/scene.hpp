@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/app/discretisation.hpp"
+#include "pdx/app/mixed_points.hpp"
 #include "pdx/fem/loads.hpp"
 #include "pdx/post/error_norm.hpp"
 #include "pdx/solve/static_driver.hpp"
@@ -90,15 +91,17 @@ inline app::SceneOptions held_particles(Index per_side)
 class Scene {
 public:
   explicit Scene(app::SceneOptions options, bool assembled = false, MPI_Comm comm = PETSC_COMM_WORLD)
-      : options_(std::move(options)), mesh_options_(options_.mesh), plan_(app::plan_patches(options_, mesh_options_)),
+      : options_(std::move(options)), points_(options_.mixed() ? app::settle_mixed(comm, options_) : nullptr),
+        mesh_options_(options_.mesh), plan_(app::plan_patches(options_, mesh_options_)),
         mesh_(mesh::build(comm, mesh_options_, app::cell_cost(plan_))), swarm_(comm), assembled_(assembled)
   {
+    if (points_) app::deal_cells(*points_, mesh_);
     std::vector<pd::Particle> particles;
     if (options_.pd.any()) {
       app::cover_cells(mesh_, plan_, mesh_options_);
       particles = app::make_particles(mesh_, plan_, swarm_);
     }
-    d_ = app::discretise(mesh_, options_, plan_, std::move(particles), assembled);
+    d_ = app::discretise(mesh_, options_, plan_, std::move(particles), assembled, points_.get());
   }
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
@@ -236,6 +239,7 @@ public:
 
 private:
   app::SceneOptions options_;
+  std::shared_ptr<const app::PointPlan<2>> points_;
   mesh::MeshOptions mesh_options_;
   app::PatchPlan plan_;
   mesh::Mesh mesh_;

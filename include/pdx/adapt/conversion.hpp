@@ -15,17 +15,44 @@ struct ConversionRule {
   bool any() const { return stress || stretch; }
 };
 
-/// What cells are made of, and the lattice that their particles lie on, by body (`mesh::Mesh::body`).
+/// What cells are made of, by body (`mesh::Mesh::body`).
 struct BulkOfBodies {
   std::function<const law::Elastic&(Index body)> elastic;
-  std::span<const geom::LatticeAnchor> lattices; ///< where a body has no patch yet
 };
 
-/// The cells of elements and material points that are to become particles: those where strain or stress is above the
-/// rule's at one of four places, and what lies as near to them in the same body as the margin says. Cells that the
-/// lattice does not divide stay, as those next to a patch of another, and those with a held node. Alike on every rank,
-/// in the order of natural numbers. Collective.
-/// @param local displacement [owned | halo] [m]
-std::vector<LayoutChange::Cover> conversion(const SceneView& scene, const ConversionRule& rule,
-                                            const BulkOfBodies& bulk, std::span<const double> local);
+/// The cells of elements and material points of a scene that may ask, ready to be looked at after each step.
+class BulkWatch {
+public:
+  BulkWatch(const SceneView& scene, const ConversionRule& rule, const BulkOfBodies& bulk);
+  const ConversionRule& rule() const { return rule_; }
+  /// Owned cells where strain or stress is above the rule's at one of four places, those of points if there are 2 x 2.
+  /// @param local displacement [owned | halo] [m]
+  std::vector<Index> asking(const mesh::Mesh& mesh, std::span<const double> local) const;
+  /// Looks at these, ascending, no more.
+  void leave_out(std::span<const Index> cells);
+
+private:
+  struct Watched {
+    Index cell;
+    std::array<Index, 4> rows; // local
+    double along, across;      // over the squares of its sides [1/m^2]
+    Vector<2> inverse;         // of the sides of a box; 0: it is none [1/m]
+    law::Elastic elastic;
+    double suspicious = 0.0; // square of the least displacement gradient that may be too much [-]
+  };
+  bool may_ask(const Watched& cell, const double* u) const;
+  bool asks(const mesh::Mesh& mesh, const Watched& cell, std::span<const double> local) const;
+
+  ConversionRule rule_;
+  std::vector<Watched> cells_;
+};
+
+/// The cells that are to become particles: those that ask, and what lies as near to them in the same body as the margin
+/// says. Cells that the lattice does not divide stay, as those next to a patch of another, and those with a held node.
+/// Alike on every rank, in the order of natural numbers. Collective.
+/// @param lattices where a body has no patch yet, by body   @param local displacement [owned | halo] [m]
+/// @param watch leaves out what asks where nothing can be converted
+std::vector<LayoutChange::Cover> conversion(const SceneView& scene, BulkWatch& watch,
+                                            std::span<const geom::LatticeAnchor> lattices,
+                                            std::span<const double> local);
 } // namespace pdx::adapt

@@ -50,9 +50,9 @@ private:
   const field::System& system_;
   BodyRows rows_;
   const couple::ContactBooks* contact_;
-  std::vector<double> mass_;                    // of owned rows [kg]
-  std::vector<field::Tie> ties_;                // by set
-  Vector<Dim> middle_ = Vector<Dim>::Zero();    // centre of mass of all at the start [m]
+  std::vector<double> mass_;                 // of owned rows [kg]
+  std::vector<field::Tie> ties_;             // by set
+  Vector<Dim> middle_ = Vector<Dim>::Zero(); // centre of mass of all at the start [m]
   Sums start_;
 };
 } // namespace pdx::app

@@ -2,8 +2,8 @@
 #include "pdx/adapt/scene_view.hpp"
 #include "pdx/app/body_books.hpp"
 #include "pdx/app/model.hpp"
-#include "pdx/app/point_output.hpp"
 #include "pdx/app/patches.hpp"
+#include "pdx/app/point_output.hpp"
 #include "pdx/couple/contact_term.hpp"
 #include "pdx/couple/fracture.hpp"
 #include "pdx/couple/loose_parts.hpp"
@@ -40,7 +40,7 @@ struct Discretisation final : Model {
   couple::ContactBooks* contact_books = nullptr;
   std::vector<std::string> body_names;
   std::vector<std::uint8_t> stays; ///< per local cell: particles cannot take it
-  std::vector<Index> body_of_row; ///< place in `body_names`, of owned rows
+  std::vector<Index> body_of_row;  ///< place in `body_names`, of owned rows
   std::unique_ptr<BodyBooks<2>> bodies;
   ///@}
   std::vector<std::uint8_t> side_held; ///< per owned component of nodes: held, and particles there would not be as well

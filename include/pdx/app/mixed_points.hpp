@@ -2,6 +2,10 @@
 #include "pdx/app/discretisation.hpp"
 
 namespace pdx::app {
+/// Fills the bodies of points, reads the mesh of elements if there is one, and moves the options into the frame of all:
+/// `options.mesh` has all cells then. Collective. Throws UserError, alike on every rank.
+std::shared_ptr<const PointPlan<2>> settle_mixed(MPI_Comm comm, SceneOptions& options);
+
 /// Tells the cells of a mesh which body they are of, and which have material points in them. Patches that a rank's
 /// options describe are covered afterwards.
 void deal_cells(const PointPlan<2>& plan, mesh::Mesh& mesh);
@@ -12,8 +16,8 @@ void convert_along_cracks(const PointPlan<2>& plan, SceneOptions& options);
 
 /// Adds the Term of the material points that no patch covers. Collective. Throws UserError for a patch that takes part
 /// of a cell's points, or points of another material.
-void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& patches,
-                const PointPlan<2>& plan, Discretisation& d);
+void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& patches, const PointPlan<2>& plan,
+                Discretisation& d);
 
 /// Adds contact between bodies, of points, particles and elements, if they may touch, and the velocities that bodies
 /// begin with. Collective.

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/adapt/contraction.hpp"
+#include "pdx/adapt/conversion.hpp"
 #include "pdx/adapt/expansion.hpp"
 #include "pdx/adapt/seen_damage.hpp"
 #include "pdx/app/patches.hpp"
@@ -28,6 +29,8 @@ public:
   /// @param broken bonds that this rank counts, since the start   @param local displacement [owned | halo] [m]
   adapt::LayoutChange look(const adapt::SceneView& scene, const PatchPlan& plan, std::int64_t broken,
                            std::span<const double> local);
+  /// Another scene stands.
+  void leave_scene() { watch_.reset(); }
   /// Is the border of patches that stay as they are to be watched still?
   bool watches() const;
   /// Where a crack came within a horizon of elements, which do not break, in words; "" for nowhere. Watches no more
@@ -46,7 +49,8 @@ public:
   void read(const io::SealedReader& file);
 
 private:
-  std::vector<adapt::LayoutChange::Cover> converted(const adapt::SceneView& scene, std::span<const double> local) const;
+  adapt::BulkWatch bulk_watch(const adapt::SceneView& scene) const;
+  std::vector<adapt::LayoutChange::Cover> converted(const adapt::SceneView& scene, std::span<const double> local);
   std::vector<adapt::Reaches> reaches(const adapt::SceneView& scene, const PatchPlan& plan) const;
   adapt::Reaches reaches(const couple::Surroundings& around, double horizon) const;
 
@@ -57,5 +61,7 @@ private:
   adapt::SeenDamage seen_;
   int expansions_ = 0; // since the last contraction
   bool told_ = false;  // what came to the border
+  std::vector<geom::LatticeAnchor> lattices_;
+  std::optional<adapt::BulkWatch> watch_; // of the scene as it stands; none: not looked at yet
 };
 } // namespace pdx::app

@@ -20,6 +20,7 @@ struct PointShape {
   };
   std::optional<geom::Box<3>> box;     ///< [m]
   std::optional<Ball> disc, sphere;    ///< a disc in space is a cylinder along z
+  std::optional<Ball> hole;            ///< round, through the body: whole cells with their middle in it are left out
   std::vector<Vector<2>> polygon;      ///< corners in order [m]
   std::string file;                    ///< of points, as those of -pd_cloud
   double z_lower = 0.0, z_upper = 0.0; ///< in space: where disc and polygon begin and end [m]

@@ -27,9 +27,9 @@ template <int Dim> struct PointPlan {
 };
 
 /// Fills the bodies, and moves the options into the frame around them and the elements, if there are any. In a scene
-/// that is more than points (`SceneOptions::mixed`) `options.mesh` becomes the list of all cells; boundaries are `left`,
-/// `right`, `bottom` and `top` of all bodies, and `NAME:left` ... of each, `mesh:...` those of elements. Throws UserError
-/// for a shape that a spacing does not fit or that holds no point, and for a file that is no lattice.
+/// that is more than points (`SceneOptions::mixed`) `options.mesh` becomes the list of all cells; boundaries are
+/// `left`, `right`, `bottom` and `top` of all bodies, and `NAME:left` ... of each, `mesh:...` those of elements. Throws
+/// UserError for a shape that a spacing does not fit or that holds no point, and for a file that is no lattice.
 /// @param edge shortest side of an element; infinite for none [m]
 template <int Dim> PointPlan<Dim> plan_points(SceneOptions& options, double edge);
 } // namespace pdx::app

@@ -14,7 +14,7 @@ struct Ground {
   PatchPlan plan;
   mesh::Mesh mesh;
   pd::Particles swarm;
-  std::vector<pd::Particle> particles; ///< none before `lay_particles`
+  std::vector<pd::Particle> particles;        ///< none before `lay_particles`
   std::shared_ptr<const PointPlan<2>> points; ///< null without bodies of material points
 
   /// Throws UserError for what does not fit. Collective.

@@ -15,7 +15,8 @@ public:
 
   /// Looks if more bonds are broken than at the last look. Collective.
   void look(double time, std::int64_t bonds_broken);
-  /// `spall_time`, `spall_position` and `spall_body` of the first that was found.
+  /// Of the first that was found: `spall_time`, when its first bonds broke, `spall_through_time`, when it was broken
+  /// right through, `spall_position` and `spall_body`.
   void write_results(nlohmann::ordered_json& results) const;
   /// What a restarted run needs, by name, and the way back.
   void add_notes(std::map<std::string, double>& notes) const;
@@ -24,8 +25,9 @@ public:
 private:
   const RunFiles& files_;
   std::int64_t broken_ = 0;
-  double time_ = -1.0; // none yet [s]
-  double place_ = 0.0; // along the axis, from the body's corner [m]
+  std::map<std::array<std::int64_t, 3>, double> begun_; // body, lattice, column: when it lost its first bond [s]
+  double time_ = -1.0, through_ = -1.0;                 // none yet [s]
+  double place_ = 0.0;                                  // along the axis, from the body's corner [m]
   Index body_ = 0;
 };
 } // namespace pdx::app

@@ -29,6 +29,7 @@ enum class Adapt { none, expand, relocate };
 
 /// What makes bulk become particles besides bonds that broke: what it bears itself.
 struct Triggers {
+  bool damage = true;      ///< bonds that broke near
   bool connection = false; ///< bonds that a crack given from the start cuts, or that would be overstretched
   bool stress = false, stretch = false;
   double largest_stress = 0.0; ///< principal stress [Pa]
@@ -48,7 +49,7 @@ struct LayoutOptions {
   double contraction_length = 0.0; ///< particles as far from all tips become elements again; 0: likewise [m]
   int adapt_interval = 1;          ///< steps from one look for such damage, or what bulk bears, to the next
   Triggers triggers;
-  bool stops_at_border = false;    ///< where patches stay: does the run end when a crack comes to elements?
+  bool stops_at_border = false; ///< where patches stay: does the run end when a crack comes to elements?
   track::Tracker tracker = track::Tracker::sides; ///< how cracks are followed that elements take over
   int expansions = 1;                             ///< after so many a patch hands back what lies behind [XPD2 Eq. 15]
 

@@ -62,7 +62,7 @@ private:
 
   RunFiles& files_;
   const Model* d_ = nullptr;
-  Model::Tiles tiles_;                 // of scenes that are gone
+  Model::Tiles tiles_; // of scenes that are gone
   std::optional<SectionWatch> sections_;
   std::unique_ptr<CrackWatch> cracks_; // null where no crack can grow from a given tip
   StepLimits limits_;

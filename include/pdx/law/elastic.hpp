@@ -25,7 +25,10 @@ struct Elastic {
   double c12() const { return lambda(); }              ///< d sigma_xx / d e_yy     [Pa]
 
   /// The larger principal stress from both principal strains.                      [Pa]
-  double principal_stress(double larger, double smaller) const { return lambda() * (larger + smaller) + 2.0 * mu() * larger; }
+  double principal_stress(double larger, double smaller) const
+  {
+    return lambda() * (larger + smaller) + 2.0 * mu() * larger;
+  }
 
   /// Stress (xx, yy, xy) from strain (xx, yy, gamma_xy = 2 e_xy); not yet times the thickness.   [Pa]
   Eigen::Matrix3d stiffness() const

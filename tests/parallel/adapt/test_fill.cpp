@@ -61,7 +61,8 @@ double fill_error(test::Scene& scene, const std::vector<geom::Box<2>>& boxes, co
   std::vector<double> twice(u);
   for (double& value : twice) value *= 2.0;
   const std::span<const double> fields[] = {u, twice};
-  const adapt::FreshRows fresh = adapt::fill_particles(scene.d().view(scene.mesh()), covers, scene.plan().shapes, fields);
+  const adapt::FreshRows fresh =
+      adapt::fill_particles(scene.d().view(scene.mesh()), covers, scene.plan().shapes, fields);
 
   std::vector<geom::Box<2>> all = scene.options().pd.patches;
   all.insert(all.end(), boxes.begin(), boxes.end());
@@ -113,7 +114,8 @@ TEST(Fill, ErrorsFallWithTheCubeOfElements)
     const std::vector<double> u = scene.blocks(wave);
     const std::span<const double> fields[] = {u};
     const std::vector<adapt::LayoutChange::Cover> covers{{box(8, 5, 10, 8), scene.plan().shapes[0].lattice.dx}};
-    const adapt::FreshRows fresh = adapt::fill_particles(scene.d().view(scene.mesh()), covers, scene.plan().shapes, fields);
+    const adapt::FreshRows fresh =
+        adapt::fill_particles(scene.d().view(scene.mesh()), covers, scene.plan().shapes, fields);
     double worst = 0.0;
     for (std::size_t k = 0; k < fresh.names.size(); ++k) {
       const Vector<2> x = place_of(scene, fresh.names[k]);

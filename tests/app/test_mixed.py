@@ -1,0 +1,93 @@
+"""Material points beside elements and particles: contact between all three, bulk that becomes particles, ranks, restarts.
+
+Usage: test_mixed.py PDXSOLVE [unittest arguments]; environment as for test_bad_input.py.
+"""
+
+import program
+
+STEEL = {
+    "-analysis": "explicit",
+    "-material_young": "190e9",
+    "-material_poisson": "0.33333333333333333",
+    "-material_density": "8000",
+    "-pd_spacing": "1e-3",
+    "-pd_horizon_ratio": "3",
+    "-mpm_spacing": "1e-3",
+    "-output_history": "",
+    "-output_history_interval": "5",
+    "-quiet": "",
+}
+# A bar of points strikes a block of elements with a patch of particles in its middle, and leaves it.
+STRUCK = STEEL | {
+    "-mesh_lower": "0,-0.02",
+    "-mesh_upper": "0.04,0.02",
+    "-mesh_cells": "20,20",
+    "-pd_patches": "0.014,-0.006,0.026,0.006",
+    "-mpm_bodies": "bar",
+    "-mpm_bar_box": "-0.04,-0.01,0,0.01",
+    "-mpm_bar_velocity": "10,0",
+    "-ts_max_time": "30e-6",
+    "-ts_safety": "0.5",
+}
+# The same bar strikes particles at the side of another body of points.
+ON_PARTICLES = {key: value for key, value in STRUCK.items() if not key.startswith("-mesh_")} | {
+    "-mpm_bodies": "bar,block",
+    "-mpm_block_box": "0,-0.02,0.04,0.02",
+    "-pd_patches": "0,-0.006,0.012,0.006",
+}
+# A bar that is pulled apart by its own motion until it becomes particles in its middle and breaks there.
+SPALL = ["-options_file", "cases/spallation/case.opts"]
+EARLY, LATE = "2095", "2110"  # steps before and after what is held by waves becomes particles
+
+
+class Mixed(program.ProgramTest):
+    def test_bodies_of_all_kinds_strike_each_other(self):
+        for scene in (STRUCK, ON_PARTICLES):
+            one = self.solve(scene)
+            results = one.summary["results"]
+            self.assertLess(results["momentum_error_ratio"], 1e-12)
+            self.assertLess(results["energy_drift_ratio"], 1e-3)
+            # As waves of one impedance hand it over: half of the speed stays in a longer block than bar at the most.
+            last = one.history()[-1]
+            self.assertLess(last["velocity_bar_x"], 0.3 * 10.0)
+            self.assertEqual(last["contact_bar_" + ("mesh" if scene is STRUCK else "block") + "_force_x"], 0.0)
+            for ranks in (2, 3):
+                other = self.solve(scene, ranks).history()[-1]
+                for name in ("velocity_bar_x", "energy_points", "energy_bonds", "energy_residual"):
+                    scale = last["energy_points"] if name.startswith("energy") else 10.0
+                    self.assertLess(abs(other[name] - last[name]), 1e-10 * scale, name)
+
+    def test_nothing_is_paid_for_what_is_not_there(self):
+        events = self.solve(STRUCK | {"-contact": "none", "-ts_max_time": "2e-6"}).events
+        self.assertFalse([name for name in events if name.startswith(("contact_", "adapt_", "pd_break"))])
+        alone = {key: value for key, value in STRUCK.items() if not key.startswith("-mpm_")}
+        events = self.solve(alone | {"-ts_max_time": "2e-6"}).events
+        self.assertFalse([name for name in events if name.startswith(("mpm_", "contact_"))])
+
+    def spall(self, options, ranks=1, directory=None):
+        return self.solve({"-options_file": "cases/spallation/case.opts", "-quiet": ""} | options, ranks, directory)
+
+    def test_a_bar_spalls_alike_on_any_number_of_ranks(self):
+        runs = [self.spall({}, ranks) for ranks in (1, 2, 3)]
+        for run in runs:
+            results = run.summary["results"]
+            self.assertTrue(0.039 <= results["spall_position"] <= 0.041, results["spall_position"])
+            self.assertTrue(1.00e-3 <= results["spall_time"] <= 1.06e-3, results["spall_time"])
+            self.assertLess(results["energy_drift_ratio"], 1e-4)
+        rows = [run.history()[-1] for run in runs]
+        for row in rows[1:]:
+            self.assertEqual(row["bonds_broken"], rows[0]["bonds_broken"])
+            self.assertAlmostEqual(row["energy_fracture"] / rows[0]["energy_fracture"], 1.0, delta=1e-10)
+
+    def test_a_restart_between_conversions_goes_on_to_the_last_bit(self):
+        whole = self.spall({})
+        for step in (EARLY, LATE):
+            directory = self.scratch / f"stopped_{step}"
+            self.spall({"-ts_max_steps": step, "-checkpoint_interval": step}, 1, directory)
+            rest = self.spall({"-restart": str(directory / "checkpoint.h5")}, 1, directory)
+            self.assertEqual(whole.history(), rest.history())
+            self.assertEqual(whole.summary["results"]["spall_time"], rest.summary["results"]["spall_time"])
+
+
+if __name__ == "__main__":
+    program.main()
