@@ -19,12 +19,12 @@ template <int Dim> std::vector<mpm::BodyMaterial> materials_of(const PointPlan<D
   return materials;
 }
 
-template <int Dim> void add_points(const PointPlan<Dim>& plan, PointBody<Dim>& body)
+template <int Dim> void add_points(const PointPlan<Dim>& plan, double viscosity, PointBody<Dim>& body)
 {
   std::vector<mpm::PointCell<Dim>> cells;
   for (const auto& cell : std::span(body.grid.cells).first(body.grid.owned))
     cells.push_back({cell.body, cell.rows, plan.bodies[static_cast<std::size_t>(cell.body)].points_in(cell.at)});
-  auto term = std::make_unique<mpm::PointTerm<Dim>>(body.system.rows, std::move(cells), materials_of(plan));
+  auto term = std::make_unique<mpm::PointTerm<Dim>>(body.system.rows, std::move(cells), materials_of(plan), viscosity);
   body.term = term.get();
   body.system.terms.push_back(std::move(term));
 }
@@ -90,7 +90,7 @@ std::unique_ptr<PointBody<Dim>> discretise(const SceneOptions& options, const Po
   body->system.rows = body->grid.rows;
   for (const Vector<Dim>& x : body->grid.place)
     body->system.coordinates.insert(body->system.coordinates.end(), x.begin(), x.end());
-  add_points(plan, *body);
+  add_points(plan, options.points.viscosity, *body);
   throw_bodies(options, *body);
   add_contact(options, *body);
   apply_conditions(options, *body);

@@ -223,6 +223,9 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
   points.law = static_cast<mpm::Law>(
       o.choice("-mpm_law", 0, laws, "stress: linear in the stretch (Biot), turned along; or neo-Hooke"));
   points.ratio = o.integer("-mpm_cell_ratio", 2, "side of the grid's cells over dx", {1.0, solid ? 4.0 : 8.0});
+  points.viscosity = o.real("-mpm_bulk_viscosity", 0.0, "-",
+                            "explicit: linear bulk viscosity b, pressure b rho c_L h against what shrinks or grows",
+                            Range::at_least(0.0));
   for (const std::string& name : names) {
     if (std::count(names.begin(), names.end(), name) > 1)
       throw UserError(fmt::format("-mpm_bodies lists {} twice: names must differ", name));
@@ -230,7 +233,7 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
   }
   static_assert(4 * 4 * 4 <= kMostSites && 8 * 8 <= kMostSites);
   if (!describe && points.bodies.empty())
-    for (const char* name : {"-mpm_spacing", "-mpm_formulation", "-mpm_law", "-mpm_cell_ratio"})
+    for (const char* name : {"-mpm_spacing", "-mpm_formulation", "-mpm_law", "-mpm_cell_ratio", "-mpm_bulk_viscosity"})
       if (o.given(name))
         throw UserError(fmt::format("{} is of material points, and there are none: give -mpm_bodies", name));
   points.contact = ContactOptions::read(points.any(), describe);
@@ -253,6 +256,8 @@ void judge_points(const SceneOptions& s)
   if (s.time.analysis == Analysis::implicit_dynamics && s.points.contact.active && s.points.bodies.size() > 1)
     throw UserError(
         "-analysis implicit has no contact between bodies of points: give -analysis explicit, or -contact none");
+  if (s.time.analysis == Analysis::implicit_dynamics && s.points.viscosity > 0.0)
+    throw UserError("-mpm_bulk_viscosity is of explicit steps: give -analysis explicit, or drop it");
   if (s.points.contact.friction > 0.0 && s.time.checkpoint.any())
     throw UserError(
         "-contact_friction remembers where points stick, which checkpoints do not hold yet: drop -checkpoint_... "

@@ -17,9 +17,11 @@ void TimeRecorder::built(const Standing& scene)
   if (!files_.options.output.history) return;
   std::vector<io::Column> columns{{"step", "-"}, {"time", "s"}};
   if (scene.points)
-    columns.insert(
-        columns.end(),
-        {{"energy_kinetic_points", "J"}, {"energy_points", "J"}, {"energy_contact", "J"}, {"energy_friction", "J"}});
+    columns.insert(columns.end(), {{"energy_kinetic_points", "J"},
+                                   {"energy_points", "J"},
+                                   {"energy_contact", "J"},
+                                   {"energy_friction", "J"},
+                                   {"energy_viscous", "J"}});
   else
     columns.insert(columns.end(), {{"energy_kinetic_elements", "J"},
                                    {"energy_kinetic_particles", "J"},
@@ -81,11 +83,12 @@ MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
   e.initial = driver.clock().initial;
   e.converted = converted_;
   const pd::Broken broken = d_->breaker ? d_->breaker->mine() : pd::Broken{};
-  double sums[] = {e.stored.elements, e.stored.bonds,   e.stored.interface, broken.energy,
-                   e.stored.points,   e.stored.contact, e.stored.friction,  driver.moving().work()};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 8, MPI_DOUBLE, MPI_SUM, files_.comm());
-  e.stored = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6]};
-  e.work = sums[7];
+  double sums[] = {e.stored.elements,     e.stored.bonds,   e.stored.interface, broken.energy,
+                   e.stored.points,       e.stored.contact, e.stored.friction,  driver.moving().damped().energy,
+                   driver.moving().work()};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 9, MPI_DOUBLE, MPI_SUM, files_.comm());
+  e.stored = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7]};
+  e.work = sums[8];
   e.kinetic_particles = kinetic.particles;
   e.kinetic_elements = kinetic.moving - kinetic.particles;
   return e;
@@ -129,7 +132,7 @@ void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEn
 {
   std::vector<double> row{static_cast<double>(driver.step()), driver.time()};
   if (files_.scene.points)
-    row.insert(row.end(), {e.kinetic(), e.stored.points, e.stored.contact, e.stored.friction});
+    row.insert(row.end(), {e.kinetic(), e.stored.points, e.stored.contact, e.stored.friction, e.stored.viscous});
   else
     row.insert(row.end(),
                {e.kinetic_elements, e.kinetic_particles, e.stored.elements, e.stored.bonds, e.stored.interface});
@@ -200,6 +203,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
     results["strain_energy_points"] = e.stored.points;
     results["strain_energy_contact"] = e.stored.contact;
     results["friction_energy"] = e.stored.friction;
+    results["viscous_energy"] = e.stored.viscous;
   }
   write_tiles();
   if (d_->breaker) {

@@ -57,6 +57,7 @@ void ExplicitDriver::evaluate(double time, std::span<double> a)
   static Event event("time_acceleration");
   const Timed timed(event);
   moving_.unbalanced(time, a);
+  moving_.add_damping(a);
   moving_.accelerate(a);
 }
 

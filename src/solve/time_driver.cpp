@@ -106,14 +106,15 @@ void TimeDriver::refuse_unsound()
 void TimeDriver::after_step()
 {
   after_evaluations();
-  moving_.book();
-  losses_.clear();
   const double length = time() - asked(ts_.get(), TSGetPrevTime);
+  moving_.book(length);
+  losses_.clear();
   for (const auto& change : moving_.system.after_step) {
     change->stepped(length);
     change->apply(moving_.u, losses_);
   }
   if (!losses_.empty()) let_go(losses_);
+  moving_.foresee_damping(acceleration(), step_length());
   moving_.note();
   if (step() % kCheckInterval == 0 || step() >= expected_steps()) {
     refuse_unsound();
@@ -166,14 +167,15 @@ void TimeDriver::set_state(const Clock& clock, const field::State& state)
   PDX_CALL(TSSetTime(ts_.get(), clock.time));
   PDX_CALL(TSSetStepNumber(ts_.get(), clock.step));
   if (clock.length > 0.0) set_step(clock.length);
-  moving_.resume(clock.time, clock.work, state.held);
+  moving_.resume(clock.time, clock.work, clock.damped, state.held);
   energy_bound_ = clock.energy_bound;
   start_bound_ = clock.start_bound;
 }
 
 TimeDriver::Clock TimeDriver::clock() const
 {
-  return {time(), step(), step_length(), origin(), moving_.work(), energy_bound_, good_.clock.initial, start_bound_};
+  return {time(),       step(),          step_length(), origin(), moving_.work(), energy_bound_, good_.clock.initial,
+          start_bound_, moving_.damped()};
 }
 
 void TimeDriver::resume(const Clock& clock, const field::State& state)
@@ -195,6 +197,7 @@ void TimeDriver::resume_changed(const Clock& clock, const field::State& state)
   std::vector<double> a(moving_.owned(), 0.0);
   start(clock.time, a);
   set_acceleration(clock.origin, a);
+  moving_.foresee_damping(a, step_length());
   resumed_ = true;
 }
 
@@ -205,6 +208,7 @@ TimeDriver::Verdict TimeDriver::run(const AfterEach& after_each)
     std::vector<double> a(moving_.owned(), 0.0);
     start(0.0, a);
     set_acceleration({}, a);
+    moving_.foresee_damping(a, step_length());
     const KineticEnergy energy = kinetic_energy();
     const double stored = moving_.stored_energy();
     good_.clock.initial = energy.moving - energy.scheme + stored;

@@ -54,7 +54,8 @@ struct PointOptions {
   std::vector<PointBodyOptions> bodies;
   Formulation formulation = Formulation::total;
   mpm::Law law = mpm::Law::corotational;
-  int ratio = 2; ///< cells of the grid over the spacing of points
+  int ratio = 2;          ///< cells of the grid over the spacing of points
+  double viscosity = 0.0; ///< linear bulk viscosity b [-]
   ContactOptions contact;
 
   bool any() const { return !bodies.empty(); }

@@ -44,10 +44,11 @@ public:
     int step = 0;
     double length = 0.0; ///< of the step to come [s]
     StepOrigin origin;
-    double work = 0.0;         ///< of this rank [J]
-    double energy_bound = 0.0; ///< what the kinetic energy is judged by [J]
-    double initial = 0.0;      ///< energy at time 0 [J]
-    double start_bound = 0.0;  ///< what energy_bound began with [J]
+    double work = 0.0;           ///< of this rank [J]
+    double energy_bound = 0.0;   ///< what the kinetic energy is judged by [J]
+    double initial = 0.0;        ///< energy at time 0 [J]
+    double start_bound = 0.0;    ///< what energy_bound began with [J]
+    MovingSystem::Damped damped; ///< of this rank
   };
   Clock clock() const;
   /// Between two steps. Acceleration and held force were evaluated before the bonds broke that are gone now, so they
