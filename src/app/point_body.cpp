@@ -36,7 +36,8 @@ template <int Dim> Vector<Dim> turned(const Vector<3>& spin, const Vector<Dim>& 
   return spin.cross(x).template head<Dim>();
 }
 
-/// What bodies begin with: each moves and turns as a rigid one.
+} // namespace
+
 template <int Dim> void throw_bodies(const SceneOptions& options, PointBody<Dim>& body)
 {
   double whole = 0.0;
@@ -76,8 +77,6 @@ template <int Dim> std::string described(const PointPlan<Dim>& plan)
   }
   return fmt::format("{} points {:016x}", plan.count(), fingerprint.value());
 }
-} // namespace
-
 template <int Dim>
 std::unique_ptr<PointBody<Dim>> discretise(const SceneOptions& options, const PointPlan<Dim>& plan,
                                            const mesh::Mesh& mesh)
@@ -295,6 +294,10 @@ std::vector<field::OutputBlock> PointModel::blocks(Vec u, std::span<const double
 
 template struct PointBody<2>;
 template struct PointBody<3>;
+template void throw_bodies<2>(const SceneOptions&, PointBody<2>&);
+template void throw_bodies<3>(const SceneOptions&, PointBody<3>&);
+template std::string described<2>(const PointPlan<2>&);
+template std::string described<3>(const PointPlan<3>&);
 template std::unique_ptr<PointBody<2>> discretise<2>(const SceneOptions&, const PointPlan<2>&, const mesh::Mesh&);
 template std::unique_ptr<PointBody<3>> discretise<3>(const SceneOptions&, const PointPlan<3>&, const mesh::Mesh&);
 } // namespace pdx::app

@@ -1,5 +1,6 @@
 #include "pdx/app/point_options.hpp"
 
+#include "pdx/app/grid_body.hpp"
 #include "pdx/app/scene_options.hpp"
 
 #include <algorithm>
@@ -223,6 +224,14 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
   points.law = static_cast<mpm::Law>(
       o.choice("-mpm_law", 0, laws, "stress: linear in the stretch (Biot), turned along; or neo-Hooke"));
   points.ratio = o.integer("-mpm_cell_ratio", 2, "side of the grid's cells over dx", {1.0, solid ? 4.0 : 8.0});
+  static constexpr const char* orders[] = {"musl", "usl", "usf"};
+  static constexpr const char* shapes[] = {"hat", "gimp", "bspline"};
+  points.grid.order = static_cast<mpm::Order>(o.choice(
+      "-mpm_order", 0, orders, "updated: stress last, by velocities of moved points; last; or first in a step"));
+  points.grid.shape = static_cast<mpm::Shape>(o.choice(
+      "-mpm_shape", 0, shapes, "updated: hats, hats meant over a point's square (uGIMP), quadratic B-splines"));
+  points.grid.pic = o.real("-mpm_pic", 0.0, "-",
+                           "updated: share of the grid's velocity that points take, 0: FLIP, 1: PIC", {0.0, 1.0});
   points.viscosity = o.real("-mpm_bulk_viscosity", 0.0, "-",
                             "explicit: linear bulk viscosity b, pressure b rho c_L h against what shrinks or grows",
                             Range::at_least(0.0));
@@ -233,7 +242,8 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
   }
   static_assert(4 * 4 * 4 <= kMostSites && 8 * 8 <= kMostSites);
   if (!describe && points.bodies.empty())
-    for (const char* name : {"-mpm_spacing", "-mpm_formulation", "-mpm_law", "-mpm_cell_ratio", "-mpm_bulk_viscosity"})
+    for (const char* name : {"-mpm_spacing", "-mpm_formulation", "-mpm_law", "-mpm_cell_ratio", "-mpm_bulk_viscosity",
+                             "-mpm_order", "-mpm_shape", "-mpm_pic"})
       if (o.given(name))
         throw UserError(fmt::format("{} is of material points, and there are none: give -mpm_bodies", name));
   points.contact = ContactOptions::read(points.any(), describe);
@@ -250,9 +260,8 @@ void judge_points(const SceneOptions& s)
     if (o.given(name))
       throw UserError(
           fmt::format("{} cannot stand beside -mpm_bodies yet: material points stand alone; drop it", name));
-  if (s.points.formulation == Formulation::updated)
-    throw UserError("-mpm_formulation updated is not in this version yet: give total, or none");
   if (!s.time.dynamic()) throw UserError("material points move: give -analysis explicit or implicit");
+  judge_grid(s);
   if (s.time.analysis == Analysis::implicit_dynamics && s.points.contact.active && s.points.bodies.size() > 1)
     throw UserError(
         "-analysis implicit has no contact between bodies of points: give -analysis explicit, or -contact none");

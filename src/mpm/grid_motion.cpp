@@ -2,11 +2,12 @@
 
 #include "pdx/base/error.hpp"
 #include "pdx/base/events.hpp"
-#include "pdx/base/gather.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 
 namespace pdx::mpm {
 namespace {
@@ -27,8 +28,10 @@ GridMotion<Dim>::GridMotion(MPI_Comm comm, const GridRule& rule, const Vector<Di
   resume(std::move(points), 0.0);
 }
 
-template <int Dim> void GridMotion<Dim>::resume(std::vector<std::vector<GridPoint<Dim>>> points, double work)
+template <int Dim>
+void GridMotion<Dim>::resume(std::vector<std::vector<GridPoint<Dim>>> points, double work, double time)
 {
+  time_ = time;
   points_.clear();
   for (auto& of_body : points) points_.emplace_back(begin_of(rule_.shape), std::move(of_body));
   work_ = work;
@@ -138,7 +141,7 @@ template <int Dim> void GridMotion<Dim>::hold_nodes(double time, double kick, bo
 
 template <int Dim> void GridMotion<Dim>::step(double time, double length, double kick)
 {
-  const double end = time + length;
+  const double end = time_ = time + length;
   Taking strain{.strain = true, .step = length};
   if (rule_.order == Order::usf) {
     give_all({.momentum = true});
@@ -168,13 +171,36 @@ template <int Dim> void GridMotion<Dim>::step(double time, double length, double
   regroup();
 }
 
+template <int Dim> std::vector<PointLanes<Dim>> GridMotion<Dim>::ended(double half)
+{
+  const std::vector<PointLanes<Dim>> before = points_;
+  const std::vector<double> forces = hold_force_;
+  const double work = work_, pic = std::exchange(rule_.pic, 0.0);
+  give_all({.momentum = true, .force = true});
+  settle_velocity(true, true, half);
+  hold_nodes(time_, half, true, false);
+  take_all({.velocity = true, .giving = true, .kick = half});
+  hold_force_ = forces;
+  work_ = work;
+  rule_.pic = pic;
+  return std::exchange(points_, before);
+}
+
 template <int Dim> void GridMotion<Dim>::regroup()
 {
   static Event event("mpm_regroup");
   const Timed timed(event);
-  bool same = true;
-  for (PointLanes<Dim>& points : points_) same = points.regroup() && same;
-  if (any_rank(comm_, !same)) lay_grid();
+  int change = 0; // 1: blocks are others; 2: a point is lost
+  std::string why;
+  try {
+    for (PointLanes<Dim>& points : points_) change = points.regroup() ? change : 1;
+  } catch (const SolverFailure& failure) {
+    why = failure.what();
+    change = 2;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &change, 1, MPI_INT, MPI_MAX, comm_);
+  if (change == 2) throw SolverFailure(why.empty() ? "material points have left for nowhere" : why);
+  if (change == 1) lay_grid();
 }
 
 template <int Dim> PointEnergies GridMotion<Dim>::energies() const

@@ -27,7 +27,8 @@ template <int Dim> Site<Dim> PointLanes<Dim>::cell_of(const Vector<Dim>& at) con
   Site<Dim> cell;
   for (std::size_t d = 0; d < Dim; ++d) {
     const double x = at[static_cast<Eigen::Index>(d)];
-    if (!(std::abs(x) < kFarthest)) throw SolverFailure("a material point is nowhere any more");
+    if (!(std::abs(x) < kFarthest))
+      throw SolverFailure("a material point is nowhere any more: it flew off or its speed is no number");
     cell[d] = static_cast<Index>(std::floor(x - begin_));
   }
   return cell;

@@ -30,7 +30,8 @@ VecHandle vector_on(const field::Rows& rows, double* values)
 
 TimeDriver::TimeDriver(field::System& system)
     : moving_(system), displacement_(vector_on(system.rows, moving_.u.data())),
-      velocity_(vector_on(system.rows, moving_.v.data()))
+      velocity_(vector_on(system.rows, moving_.v.data())), told_u_(moving_.u.data(), moving_.owned()),
+      told_v_(moving_.v)
 {}
 
 void TimeDriver::make_ts(const char* type)
@@ -93,6 +94,7 @@ bool TimeDriver::sound()
 void TimeDriver::refuse_unsound()
 {
   if (sound()) return;
+  catch_up();
   const auto place = moving_.fastest_place();
   const std::string why =
       fmt::format("step {}, time {:.6g} s: the energy of motion grew beyond all work done, fastest at ({:g}, "
@@ -142,8 +144,16 @@ void TimeDriver::go_back()
   set_state(good_.clock, good_.state);
 }
 
+void TimeDriver::catch_up() const
+{
+  if (behind_ > 0.0) moving_.system.steps->tell(behind_, told_u_, told_v_);
+  behind_ = 0.0;
+}
+
 void TimeDriver::copy_state(field::State& to) const
 {
+  catch_up();
+  if (moving_.system.steps) to.inner = moving_.system.steps->inner();
   const auto owned = static_cast<std::ptrdiff_t>(moving_.owned());
   to.u.assign(moving_.u.begin(), moving_.u.begin() + owned);
   to.v = moving_.v;
@@ -161,6 +171,8 @@ field::State TimeDriver::state() const
 
 void TimeDriver::set_state(const Clock& clock, const field::State& state)
 {
+  if (moving_.system.steps) moving_.system.steps->resume(clock.time, state.inner, clock.work);
+  behind_ = 0.0;
   std::ranges::copy(state.u, moving_.u.begin());
   std::ranges::copy(state.v, moving_.v.begin());
   set_acceleration(clock.origin, state.a);

@@ -48,7 +48,7 @@ class ContactBooks;
 }
 
 namespace pdx::app {
-template <int Dim> struct PointBody final : PointModel {
+template <int Dim> struct PointBody : PointModel {
   PointBody(const PointPlan<Dim>& filled, const mesh::Mesh& mesh) : plan(filled), grid(filled, mesh) {}
 
   const PointPlan<Dim>& plan; ///< outlives this
@@ -82,6 +82,11 @@ private:
 template <int Dim>
 std::unique_ptr<PointBody<Dim>> discretise(const SceneOptions& options, const PointPlan<Dim>& plan,
                                            const mesh::Mesh& mesh);
+
+/// What bodies begin with: each moves and turns as a rigid one.
+template <int Dim> void throw_bodies(const SceneOptions& options, PointBody<Dim>& body);
+/// What the bodies of a plan share with those that a checkpoint is of.
+template <int Dim> std::string described(const PointPlan<Dim>& plan);
 
 /// Adds the Term of contact between two bodies or more, if they may touch. Collective. Throws UserError for bodies that
 /// overlap.

@@ -2,6 +2,7 @@
 #include "pdx/geom/box.hpp"
 #include "pdx/geom/frame.hpp"
 #include "pdx/law/elastic.hpp"
+#include "pdx/mpm/grid_rule.hpp"
 #include "pdx/mpm/point_cells.hpp"
 
 #include <optional>
@@ -56,6 +57,7 @@ struct PointOptions {
   mpm::Law law = mpm::Law::corotational;
   int ratio = 2;          ///< cells of the grid over the spacing of points
   double viscosity = 0.0; ///< linear bulk viscosity b [-]
+  mpm::GridRule grid;     ///< of `updated`; its side is not yet known
   ContactOptions contact;
 
   bool any() const { return !bodies.empty(); }

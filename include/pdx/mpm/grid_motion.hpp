@@ -36,9 +36,13 @@ public:
   ///@{
   PointEnergies energies() const;                             ///< [J]
   std::vector<GridPoint<Dim>> points(std::size_t body) const; ///< in order of numbers
-  double work() const { return work_; }                       ///< of what holds and pushes, since the start [J]
+  const PointLanes<Dim>& lanes(std::size_t body) const { return points_[body]; }
+  double work() const { return work_; } ///< of what holds and pushes, since the start [J]
   ///@}
-  void resume(std::vector<std::vector<GridPoint<Dim>>> points, double work);
+  /// The points of each body at the end of the last step: their velocities are half a step behind. Collective.
+  /// @param half of that step [s]
+  std::vector<PointLanes<Dim>> ended(double half);
+  void resume(std::vector<std::vector<GridPoint<Dim>>> points, double work, double time = 0.0);
   const GridRule& rule() const { return rule_; }
   Vector<Dim> place(const GridPoint<Dim>& point) const { return origin_ + rule_.side * point.at; } ///< [m]
   std::span<const double> hold_force() const
@@ -62,7 +66,7 @@ private:
   std::vector<Vector<Dim>> push_;
   std::vector<GridHold<Dim>> holds_;
   GridNodes<Dim> nodes_;
-  double work_ = 0.0;
+  double work_ = 0.0, time_ = 0.0; ///< [J]; at the end of the last step [s]
   std::vector<double> hold_force_;
   double point_mass_ = 0.0; ///< least of all [kg]
   Processor processor_ = chosen_processor();

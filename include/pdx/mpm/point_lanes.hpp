@@ -40,6 +40,14 @@ public:
   /// Puts points that crossed into the cells where they are. False: some were in none, and blocks are others now.
   bool regroup();
   std::vector<GridPoint<Dim>> points() const; ///< in order of numbers
+  /// Calls visit(id, its first number); the next is kLanes doubles on.
+  template <class Visit> void for_each(Visit&& visit) const
+  {
+    for (const Block& block : blocks_)
+      for (int s = 0; s < block.slots; ++s)
+        for (int lane = 0; lane < kLanes; ++lane)
+          if (block.counts[lane] > s) visit(ids_[at(block, s, lane)], slot(block, s) + lane);
+  }
   std::size_t size() const { return size_; }
 
   std::span<Block> blocks() { return blocks_; }

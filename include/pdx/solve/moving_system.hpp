@@ -58,6 +58,7 @@ public:
   void book(double length);
   ///@}
   double work() const { return work_; } ///< since the start, this rank's part [J]
+  void set_work(double work) { work_ = work; }
   /// What damping has taken, this rank's part. Its force acts on either side of a step's end, as it was there.
   struct Damped {
     double energy = 0.0; ///< since the start [J]
