@@ -5,7 +5,7 @@ usage: bench.py [--executable build/release/pdxsolve] [--rounds 5] [--out out/be
 Parts without cracks: speed, size, ranks, pareto. With cracks: coupled and direct (coupled against particles only, default
 and direct solver), run (dcb row 3), sequence (a crack that grows from solve to solve), notch_pareto,
 beam_pareto. In time: kernels (of bonds), program (whole runs, one and two ranks), pulse_pareto, scaling (on 1, 2, 4 ...
-ranks up to --ranks; PDX_LAUNCH says what starts them, see scaling.py).
+ranks up to --ranks; PDX_LAUNCH says what starts them, see scaling.py), points (material points: kernels and program).
 The two sides of a ratio run in turn, round after round; the quoted numbers are medians. One-rank runs are pinned to a
 core. Writes bench.json, table.md and pictures into the output directory.
 """
@@ -19,6 +19,7 @@ import numpy as np
 from bench_fracture import FractureBench
 from bench_machine import ROOT
 from bench_motion import MotionBench
+from bench_points import PointBench
 from scaling import cores
 
 LENGTH = 5e-3  # side of the plate [m]
@@ -44,7 +45,7 @@ def particles(count, cells=None):
     return scene + (["-mesh_cells", f"{cells[0]},{cells[1]}"] if cells else [])
 
 
-class AllBench(FractureBench, MotionBench):
+class AllBench(FractureBench, MotionBench, PointBench):
     def speed(self):
         """Default solver against the assembled matrix under CG and BoomerAMG, assembly and set-up included."""
         scenes = {"coarse plate, h = 2 dx": (coupled(100, 2), 3.0, None), "fine plate, h = 5 dx": (coupled(100, 5), 9.0, None),
@@ -127,7 +128,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/bench")
     parser.add_argument("--only", default="speed,size,ranks,pareto,coupled,direct,run,sequence,notch_pareto,beam_pareto,"
-                        "kernels,program,pulse_pareto,scaling")
+                        "kernels,program,pulse_pareto,scaling,points")
     parser.add_argument("--package", default="cholmod", help="direct: -pc_factor_mat_solver_type of both sides")
     parser.add_argument("--ranks", type=int, default=cores(), help="scaling: the most (%(default)s)")
     arguments = parser.parse_args()

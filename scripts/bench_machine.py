@@ -1,4 +1,5 @@
 """What the benchmarks share: runs on a pinned core, interleaved rounds, medians, tables and pictures."""
+import json
 import os
 import pathlib
 import resource
@@ -67,6 +68,17 @@ class Bench:
             for name, arguments in sides.items():
                 runs[name].append(self.run(arguments))
         return runs
+
+    def kernel_rates(self, program, chosen="."):
+        """Items per second of processor time of each kernel of tests/PROGRAM, medians of interleaved rounds of one run."""
+        command = [str(self.executable.parent / "tests" / program), "--benchmark_format=json", f"--benchmark_filter={chosen}",
+                   f"--benchmark_repetitions={self.rounds}", "--benchmark_enable_random_interleaving=true",
+                   "--benchmark_min_time=0.2"]
+        if hasattr(os, "sched_setaffinity"):
+            command = ["taskset", "-c", str(max(os.sched_getaffinity(0))), *command]
+        report = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+        return {row["run_name"].split("/repeats")[0]: row["items_per_second"] for row in report["benchmarks"]
+                if row.get("aggregate_name") == "median" and not row.get("error_occurred")}
 
     def table(self, title, header, rows):
         self.lines += [f"### {title}", "", "| " + " | ".join(header) + " |", "|" + "---|" * len(header)]

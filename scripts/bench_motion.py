@@ -1,8 +1,6 @@
 """The benchmarks of explicit dynamics: bond kernels, the whole program, run time against error, ranks."""
-import json
 import os
 import statistics
-import subprocess
 import sys
 import tempfile
 
@@ -42,19 +40,8 @@ def directed_bonds(count, reach):
 
 
 class MotionBench(Bench):
-    def kernel_rates(self):
-        """Directed bonds per second of processor time of each kernel, medians of interleaved rounds of one run."""
-        command = [str(self.executable.parent / "tests/bench_explicit_kernel"), "--benchmark_format=json",
-                   f"--benchmark_repetitions={self.rounds}", "--benchmark_enable_random_interleaving=true",
-                   "--benchmark_min_time=0.2"]
-        if hasattr(os, "sched_setaffinity"):
-            command = ["taskset", "-c", str(max(os.sched_getaffinity(0))), *command]
-        report = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-        return {row["run_name"].split("/repeats")[0]: row["items_per_second"] for row in report["benchmarks"]
-                if row.get("aggregate_name") == "median" and not row.get("error_occurred")}
-
     def kernels(self):
-        rates = self.kernel_rates()
+        rates = self.kernel_rates("bench_explicit_kernel")
         self.results["kernels"] = rates
         goals = {("plate320_48", "list"): 9, ("plate320_48", "list_gathered"): 5, ("plate88_48", "list"): 7}
         rows = []
@@ -92,7 +79,7 @@ class MotionBench(Bench):
         """Steps of cases/branching with everything a run does, against the kernel alone; and on two ranks."""
         scene = ["-options_file", "cases/branching/case.opts", "-ts_max_steps", str(STEPS), "-output_fields",
                  "-output_interval", "100", "-output_history", "-output_history_interval", "10"]
-        rates = self.kernel_rates()
+        rates = self.kernel_rates("bench_explicit_kernel")
         both = {ranks: [] for ranks in (1, 2)}
         for _ in range(self.rounds):
             for ranks, runs in both.items():

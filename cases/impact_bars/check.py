@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Runs the bars that collide and asserts what must hold: plane waves arrive when they should, what the contact hands over,
-momentum and energy.
+momentum and energy; bulk viscosity takes the overshoot.
 
-usage: check.py [--executable build/release/pdxsolve] [waves] [ranks]      default: all
+usage: check.py [--executable build/release/pdxsolve] [waves] [viscous] [ranks]      default: all
 The environment lets Open MPI run (`. scripts/mpi_env.sh`). Exit status: 0 if all holds, 1 if not.
 """
 
@@ -13,6 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
+import fields
 import numpy as np
 
 MOMENTUM, DRIFT = 1e-13, 1e-3
@@ -42,10 +43,34 @@ class Check(case_check.Check):
             self.expect_near("half of the impulse is there [s]", half, LENGTH / SPEED, 0.02)
             self.expect_between("speed of the bar that was hit [m/s]", curve["velocity_anvil_x"][-1], 0.97, 1.0)
 
+    def push(self, variant):
+        """Results and history of a run, and the largest push 70 to 80 mm from where the bars meet, over rho c v / 2."""
+        run = self.run(variant, 2, ["-output_fields", "-output_interval", "2", "-output_history_interval", "1"])
+        if not run:
+            return None
+        results, curve = self.books(run[0], MOMENTUM, DRIFT)
+        most = 0.0
+        for number in range(fields.step_count(run[0])):
+            points = fields.read_step(run[0], number)[1]["points"]
+            far = abs(abs(points.points[:, 0] - LENGTH) - 0.075) < 5e-3
+            most = max(most, -points["stress"][far, 0].min())
+        return results, curve, most / (FORCE / AREA)
+
+    def viscous(self):
+        """What bulk viscosity does to the overshoot behind the waves, and what it takes."""
+        plain, viscous = self.push("case"), self.push("viscous")
+        if not plain or not viscous:
+            return
+        self.expect_between("largest push without viscosity", plain[2], 1.2, 1.4)
+        self.expect_between("largest push with viscosity", viscous[2], 1.0, 1.115)
+        taken = viscous[0]["viscous_energy"] / viscous[1]["energy_kinetic_points"][0]
+        self.expect_between("taken by viscosity, of the energy at the start", taken, 0.02, 0.05)
+
     def ranks(self):
         """Alike on any number of ranks."""
         self.expect_alike("case", ("rebound_ratio", "kinetic_energy"), 1e-10)
+        self.expect_alike("viscous", ("rebound_ratio", "kinetic_energy", "viscous_energy"), 1e-10)
 
 
 if __name__ == "__main__":
-    sys.exit(case_check.main(__doc__, Check, ("waves", "ranks"), "PART"))
+    sys.exit(case_check.main(__doc__, Check, ("waves", "viscous", "ranks"), "PART"))

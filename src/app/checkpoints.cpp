@@ -16,7 +16,7 @@ using Verdict = solve::TimeDriver::Verdict;
 constexpr const char* kFile = "checkpoint.h5";
 constexpr const char* kOptions = "/options"; // what makes a scene this one as the options say it, and as it stands
 constexpr const char* kScene = "/scene";
-constexpr std::size_t kRankSums = 3;  // of every scene: work, broken bonds, their energy
+constexpr std::size_t kRankSums = 5;  // of every scene: work, broken bonds, their energy, what damping took and takes
 constexpr int kMostSteps = 16;        // from one look at signals and the clock to the next
 constexpr double kMostSeconds = 0.25; // likewise [s]
 
@@ -71,7 +71,8 @@ solve::TimeDriver::Clock clock_of(const std::map<std::string, double>& n)
           0.0,
           n.at("energy_bound"),
           n.at("initial_energy"),
-          n.at("start_bound")};
+          n.at("start_bound"),
+          {}};
 }
 
 /// Named numbers: a table of one column, and their names, a line each.
@@ -218,6 +219,7 @@ void Checkpoints::read_sums(solve::TimeDriver::Clock& clock) const
   else if (rank == 0)
     for (std::size_t k = 0; k < sums.size(); ++k) mine[k % width] += sums[k];
   clock.work = mine[0];
+  clock.damped = {mine[3], mine[4]};
   files_.scene.model->resume_sums(std::span(mine).subspan(kRankSums));
   if (breaker()) breaker()->resume({std::llround(mine[1]), mine[2]});
 }
@@ -225,7 +227,9 @@ void Checkpoints::read_sums(solve::TimeDriver::Clock& clock) const
 void Checkpoints::write_sums(io::Hdf5File& file, const solve::TimeDriver& driver) const
 {
   const pd::Broken broken = breaker() ? breaker()->mine() : pd::Broken{};
-  std::vector<double> mine{driver.moving().work(), static_cast<double>(broken.bonds), broken.energy};
+  const solve::MovingSystem::Damped& damped = driver.moving().damped();
+  std::vector<double> mine{driver.moving().work(), static_cast<double>(broken.bonds), broken.energy, damped.energy,
+                           damped.power};
   const std::vector<double> more = files_.scene.model->rank_sums();
   mine.insert(mine.end(), more.begin(), more.end());
   file.dataset("/rank_sums", std::span<const double>(mine), static_cast<int>(mine.size()));

@@ -310,7 +310,8 @@ void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const Patch
   }
   std::vector<mpm::BodyMaterial> materials;
   for (const mpm::Body<2>& of : plan.bodies) materials.push_back(of.material);
-  auto term = std::make_unique<mpm::PointTerm<2>>(d.system.rows, std::move(cells), std::move(materials));
+  auto term = std::make_unique<mpm::PointTerm<2>>(d.system.rows, std::move(cells), std::move(materials),
+                                                  options.points.viscosity);
   d.points = term.get();
   d.material_points = term->points();
   MPI_Allreduce(MPI_IN_PLACE, &d.material_points, 1, MPI_INT64_T, MPI_SUM, mesh.comm());

@@ -124,6 +124,9 @@ Misfit StateMove::misfit_of() const
   if (!rows_.unique() || !particles_.unique()) return {"/row_names", "has a name twice"};
   if (any_rank(scene_.model->system.rows.comm, !rows_.fresh().empty() || !particles_.fresh().empty()))
     return {"/row_names", "has not every row of the scene"};
+  if (const auto& steps = scene_.model->system.steps)
+    if (state_.moving.inner.size() != state_.rows.size() * static_cast<std::size_t>(steps->width()))
+      return {"/inner", "is missing or has other columns"};
   if (const int width = breaks(scene_) ? words_per_particle(scene_) : 0; state_.words_per_particle != width)
     return {"/gone_bonds", fmt::format("has {} words a particle: must be {}", state_.words_per_particle, width)};
   if (breaks(scene_) && scene_.d && scene_.d->carried && !state_.carried)
@@ -252,7 +255,10 @@ Dormant StateMove::dormant() const
 field::State StateMove::moving() const
 {
   const field::State& from = state_.moving;
-  return {rows(from.u, state_.dim), rows(from.v, state_.dim), rows(from.a, state_.dim), rows(from.held, state_.dim)};
+  field::State to{
+      rows(from.u, state_.dim), rows(from.v, state_.dim), rows(from.a, state_.dim), rows(from.held, state_.dim), {}};
+  if (const auto& steps = scene_.model->system.steps) to.inner = rows(from.inner, steps->width());
+  return to;
 }
 
 std::optional<CrackNotes> StateMove::cracks() const

@@ -17,15 +17,17 @@ template <int Dim> std::vector<mpm::BodyMaterial> materials_of(const PointPlan<D
   return materials;
 }
 
-template <int Dim> void add_points(const PointPlan<Dim>& plan, PointBody<Dim>& body)
+template <int Dim> void add_points(const PointPlan<Dim>& plan, double viscosity, PointBody<Dim>& body)
 {
   std::vector<mpm::PointCell<Dim>> cells;
   for (const auto& cell : std::span(body.grid.cells).first(body.grid.owned))
     cells.push_back({cell.body, cell.rows, plan.bodies[static_cast<std::size_t>(cell.body)].points_in(cell.at)});
-  auto term = std::make_unique<mpm::PointTerm<Dim>>(body.system.rows, std::move(cells), materials_of(plan));
+  auto term = std::make_unique<mpm::PointTerm<Dim>>(body.system.rows, std::move(cells), materials_of(plan), viscosity);
   body.term = term.get();
   body.system.terms.push_back(std::move(term));
 }
+
+} // namespace
 
 template <int Dim> std::string described(const PointPlan<Dim>& plan)
 {
@@ -40,8 +42,6 @@ template <int Dim> std::string described(const PointPlan<Dim>& plan)
   }
   return fmt::format("{} points {:016x}", plan.count(), fingerprint.value());
 }
-} // namespace
-
 template <int Dim>
 std::unique_ptr<PointBody<Dim>> discretise(const SceneOptions& options, const PointPlan<Dim>& plan,
                                            const mesh::Mesh& mesh)
@@ -54,7 +54,7 @@ std::unique_ptr<PointBody<Dim>> discretise(const SceneOptions& options, const Po
   body->system.rows = body->grid.rows;
   for (const Vector<Dim>& x : body->grid.place)
     body->system.coordinates.insert(body->system.coordinates.end(), x.begin(), x.end());
-  add_points(plan, *body);
+  add_points(plan, options.points.viscosity, *body);
   throw_bodies<Dim>(options.points, plan, body->grid.body, body->system);
   add_contact(options, *body);
   apply_conditions(options, *body);
@@ -120,6 +120,8 @@ std::vector<field::OutputBlock> PointModel::blocks(Vec u, std::span<const double
 
 template struct PointBody<2>;
 template struct PointBody<3>;
+template std::string described<2>(const PointPlan<2>&);
+template std::string described<3>(const PointPlan<3>&);
 template std::unique_ptr<PointBody<2>> discretise<2>(const SceneOptions&, const PointPlan<2>&, const mesh::Mesh&);
 template std::unique_ptr<PointBody<3>> discretise<3>(const SceneOptions&, const PointPlan<3>&, const mesh::Mesh&);
 } // namespace pdx::app

@@ -1,5 +1,6 @@
 #include "pdx/app/point_options.hpp"
 
+#include "pdx/app/grid_body.hpp"
 #include "pdx/app/scene_options.hpp"
 #include "pdx/app/seeds.hpp"
 
@@ -228,6 +229,17 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
   points.law = static_cast<mpm::Law>(
       o.choice("-mpm_law", 0, laws, "stress: linear in the stretch (Biot), turned along; or neo-Hooke"));
   points.ratio = o.integer("-mpm_cell_ratio", 2, "side of the grid's cells over dx", {1.0, solid ? 4.0 : 8.0});
+  static constexpr const char* orders[] = {"musl", "usl", "usf"};
+  static constexpr const char* shapes[] = {"hat", "gimp", "bspline"};
+  points.grid.order = static_cast<mpm::Order>(o.choice(
+      "-mpm_order", 0, orders, "updated: stress last, by velocities of moved points; last; or first in a step"));
+  points.grid.shape = static_cast<mpm::Shape>(o.choice(
+      "-mpm_shape", 0, shapes, "updated: hats, hats meant over a point's square (uGIMP), quadratic B-splines"));
+  points.grid.pic = o.real("-mpm_pic", 0.0, "-",
+                           "updated: share of the grid's velocity that points take, 0: FLIP, 1: PIC", {0.0, 1.0});
+  points.viscosity = o.real("-mpm_bulk_viscosity", 0.0, "-",
+                            "explicit: linear bulk viscosity b, pressure b rho c_L h against what shrinks or grows",
+                            Range::at_least(0.0));
   for (const std::string& name : names) {
     if (std::count(names.begin(), names.end(), name) > 1)
       throw UserError(fmt::format("-mpm_bodies lists {} twice: names must differ", name));
@@ -235,7 +247,8 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
   }
   static_assert(4 * 4 * 4 <= kMostSites && 8 * 8 <= kMostSites);
   if (!describe && points.bodies.empty())
-    for (const char* name : {"-mpm_spacing", "-mpm_formulation", "-mpm_law", "-mpm_cell_ratio"})
+    for (const char* name : {"-mpm_spacing", "-mpm_formulation", "-mpm_law", "-mpm_cell_ratio", "-mpm_bulk_viscosity",
+                             "-mpm_order", "-mpm_shape", "-mpm_pic"})
       if (o.given(name))
         throw UserError(fmt::format("{} is of material points, and there are none: give -mpm_bodies", name));
   points.contact = ContactOptions::read(points.any(), describe);
@@ -266,6 +279,7 @@ void refuse_other_physics(const SceneOptions& s)
 void judge_mixed(const SceneOptions& s)
 {
   const std::string beside = "bodies of points beside elements or particles";
+  if (s.points.formulation == Formulation::updated) throw UserError(beside + " need -mpm_formulation total");
   if (s.pd.everywhere)
     throw UserError("-pd_patches all: a body of points is no box mesh: give the boxes of its cells that are particles");
   if (s.kinematics == Kinematics::small)
@@ -285,13 +299,14 @@ void judge_mixed(const SceneOptions& s)
 void judge_points(const SceneOptions& s)
 {
   refuse_other_physics(s);
-  if (s.points.formulation == Formulation::updated)
-    throw UserError("-mpm_formulation updated is not in this version yet: give total, or none");
   if (!s.time.dynamic()) throw UserError("material points move: give -analysis explicit or implicit");
   if (s.mixed()) judge_mixed(s);
+  judge_grid(s);
   if (s.time.analysis == Analysis::implicit_dynamics && s.points.contact.active && s.points.bodies.size() > 1)
     throw UserError(
         "-analysis implicit has no contact between bodies of points: give -analysis explicit, or -contact none");
+  if (s.time.analysis == Analysis::implicit_dynamics && s.points.viscosity > 0.0)
+    throw UserError("-mpm_bulk_viscosity is of explicit steps: give -analysis explicit, or drop it");
   if (s.points.contact.friction > 0.0 && s.time.checkpoint.any())
     throw UserError(
         "-contact_friction remembers where points stick, which checkpoints do not hold yet: drop -checkpoint_... "

@@ -1,4 +1,5 @@
 #include "pdx/app/run.hpp"
+#include "pdx/app/grid_body.hpp"
 
 #include "pdx/app/run_in_time.hpp"
 #include "pdx/app/run_static.hpp"
@@ -49,7 +50,8 @@ void run(MPI_Comm comm, double begin)
     if (options.mixed())
       run_in_time(files, mixed_scene(comm, options));
     else if (options.points.any())
-      run_in_time(files, point_scene(comm, options));
+      run_in_time(files, options.points.formulation == Formulation::updated ? grid_scene(comm, options)
+                                                                            : point_scene(comm, options));
     else if (!options.pd.cloud.empty())
       run_in_time(files, cloud_scene(comm, options));
     else if (options.solid)

@@ -14,6 +14,7 @@
 
 namespace pdx::app {
 namespace {
+constexpr const char* kInner = "/inner";
 constexpr const char* kRows = "/row_names";
 constexpr const char* kWords = "/gone_bonds";                 // of each particle, a bit for each bond it had
 constexpr const char* kArrivals = "/crack_arrivals";          // name, look
@@ -161,6 +162,10 @@ void SceneTables::write(io::Hdf5File& file, const NamedState& state) const
   table("/velocity", state.moving.v);
   table("/acceleration", state.moving.a);
   table("/held_force", state.moving.held);
+  if (const auto& steps = model_.system.steps) {
+    const std::vector<double> block = row_order_->to_table(state.moving.inner, steps->width());
+    file.dataset(kInner, std::span<const double>(block), steps->width());
+  }
   const bool first = is_first(model_.system.rows.comm);
   if (state.words_per_particle > 0) {
     const std::vector<std::uint64_t> block = particle_order_->to_table(state.gone, state.words_per_particle);
@@ -233,8 +238,12 @@ NamedState read_tables(MPI_Comm comm, const io::SealedReader& file, int dim)
   NamedState state;
   state.dim = dim;
   state.rows = names_of(Share<std::uint64_t>(comm, file, rows).read(kRows, 0, 1));
-  state.moving = {values.read("/displacement", 0, dim), values.read("/velocity", 0, dim),
-                  values.read("/acceleration", 0, dim), values.read("/held_force", 0, dim)};
+  state.moving = {values.read("/displacement", 0, dim),
+                  values.read("/velocity", 0, dim),
+                  values.read("/acceleration", 0, dim),
+                  values.read("/held_force", 0, dim),
+                  {}};
+  if (file.has(kInner)) state.moving.inner = values.read(kInner, 0, static_cast<int>(file.shape(kInner)[1]));
   const bool breaks = file.has(kWords);
   const std::int64_t particles = breaks ? file.shape(kWords)[0] : 0;
   file.require(kWords, particles <= rows ? "" : "has more rows than there are names");

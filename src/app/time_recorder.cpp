@@ -18,9 +18,11 @@ void TimeRecorder::built(const Standing& scene)
   if (!files_.options.output.history) return;
   std::vector<io::Column> columns{{"step", "-"}, {"time", "s"}};
   if (scene.points)
-    columns.insert(
-        columns.end(),
-        {{"energy_kinetic_points", "J"}, {"energy_points", "J"}, {"energy_contact", "J"}, {"energy_friction", "J"}});
+    columns.insert(columns.end(), {{"energy_kinetic_points", "J"},
+                                   {"energy_points", "J"},
+                                   {"energy_contact", "J"},
+                                   {"energy_friction", "J"},
+                                   {"energy_viscous", "J"}});
   else
     columns.insert(columns.end(), {{"energy_kinetic_elements", "J"},
                                    {"energy_kinetic_particles", "J"},
@@ -28,9 +30,11 @@ void TimeRecorder::built(const Standing& scene)
                                    {"energy_bonds", "J"},
                                    {"energy_interface", "J"}});
   if (scene.d && scene.d->bodies)
-    columns.insert(
-        columns.end(),
-        {{"energy_kinetic_points", "J"}, {"energy_points", "J"}, {"energy_contact", "J"}, {"energy_friction", "J"}});
+    columns.insert(columns.end(), {{"energy_kinetic_points", "J"},
+                                   {"energy_points", "J"},
+                                   {"energy_contact", "J"},
+                                   {"energy_friction", "J"},
+                                   {"energy_viscous", "J"}});
   columns.insert(columns.end(), {{"energy_scheme", "J"}, {"work", "J"}, {"energy_residual", "J"}});
   for (io::Column& column : d_->more_columns()) columns.push_back(std::move(column));
   if (d_->breaker) columns.insert(columns.end(), {{"energy_fracture", "J"}, {"bonds_broken", "-"}});
@@ -88,15 +92,16 @@ MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
   e.initial = driver.clock().initial;
   e.converted = converted_;
   const pd::Broken broken = d_->breaker ? d_->breaker->mine() : pd::Broken{};
-  double sums[] = {
-      e.stored.elements, e.stored.bonds,         e.stored.interface,
-      broken.energy,     e.stored.points,        e.stored.contact,
-      e.stored.friction, driver.moving().work(), files_.scene.d ? files_.scene.d->kinetic_of_points(driver.v()) : 0.0};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 9, MPI_DOUBLE, MPI_SUM, files_.comm());
-  e.stored = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6]};
-  e.work = sums[7];
+  double sums[] = {e.stored.elements,      e.stored.bonds,
+                   e.stored.interface,     broken.energy,
+                   e.stored.points,        e.stored.contact,
+                   e.stored.friction,      driver.moving().damped().energy,
+                   driver.moving().work(), files_.scene.d ? files_.scene.d->kinetic_of_points(driver.v()) : 0.0};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 10, MPI_DOUBLE, MPI_SUM, files_.comm());
+  e.stored = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7]};
+  e.work = sums[8];
   e.kinetic_particles = kinetic.particles;
-  e.kinetic_points = sums[8];
+  e.kinetic_points = sums[9];
   e.kinetic_elements = kinetic.moving - kinetic.particles - e.kinetic_points;
   return e;
 }
@@ -141,12 +146,12 @@ void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEn
 {
   std::vector<double> row{static_cast<double>(driver.step()), driver.time()};
   if (files_.scene.points)
-    row.insert(row.end(), {e.kinetic(), e.stored.points, e.stored.contact, e.stored.friction});
+    row.insert(row.end(), {e.kinetic(), e.stored.points, e.stored.contact, e.stored.friction, e.stored.viscous});
   else
     row.insert(row.end(),
                {e.kinetic_elements, e.kinetic_particles, e.stored.elements, e.stored.bonds, e.stored.interface});
   if (files_.scene.d && files_.scene.d->bodies)
-    row.insert(row.end(), {e.kinetic_points, e.stored.points, e.stored.contact, e.stored.friction});
+    row.insert(row.end(), {e.kinetic_points, e.stored.points, e.stored.contact, e.stored.friction, e.stored.viscous});
   row.insert(row.end(), {e.scheme, e.work, e.residual()});
   d_->add_more(driver.local(), driver.v(), row);
   if (d_->breaker) row.insert(row.end(), {e.stored.dissipated, static_cast<double>(broken_.bonds)});
@@ -214,6 +219,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
     results["strain_energy_points"] = e.stored.points;
     results["strain_energy_contact"] = e.stored.contact;
     results["friction_energy"] = e.stored.friction;
+    results["viscous_energy"] = e.stored.viscous;
   }
   write_tiles();
   if (d_->breaker) {

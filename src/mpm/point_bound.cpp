@@ -63,6 +63,7 @@ public:
     }
     halo_.fetch(owned, 1, weights_);
   }
+  double volume(std::size_t row) const { return volumes_[row]; } ///< of an owned row, in corners [-]
   double inside(Index body) const { return inside_[static_cast<std::size_t>(body)]; }
 
 private:
@@ -89,6 +90,22 @@ private:
   std::vector<double> weights_;         ///< of local rows [-]
   std::vector<double> volumes_;         ///< of owned rows, in corners [-]
 };
+
+/// Of the load of a row, so that viscous forces that lag half a step behind are stable as well: dt^2 K + 2 dt C <= 4 M,
+/// and C is at most b h / c times K. @param b with `viscous_share`
+double with_viscosity(double load, double volume, double b)
+{
+  if (b == 0.0 || load == 0.0) return load;
+  const double step = std::sqrt(b * b + volume / load) - b; // in h / c
+  return volume / (step * step);
+}
+/// What (lambda + 2 mu) tr(e)^2 is of lambda tr(e)^2 + 2 mu e:e at most: where all directions grow alike.
+template <int Dim> double viscous_share(const BodyMaterial& body)
+{
+  const law::Tangent<Dim> rest = law_tangent<Dim>(body, Tensor<Dim>::Zero());
+  const double along = rest(0, 0), across = rest(0, Dim + 1); // lambda + 2 mu, lambda
+  return along / (across + (along - across) / Dim);
+}
 } // namespace
 
 template <int Dim> void PointTerm<Dim>::add_stiffness_bound(std::span<double> blocks) const
@@ -110,9 +127,10 @@ template <int Dim> void PointTerm<Dim>::add_stiffness_bound(std::span<double> bl
     for (const Index row : cell.rows) {
       if (row >= owned_rows_ || done[static_cast<std::size_t>(row)]) continue;
       done[static_cast<std::size_t>(row)] = 1;
+      const auto k = static_cast<std::size_t>(row);
+      const double load = with_viscosity(least[k], all.volume(k), viscosity_ * viscous_share<Dim>(material(cell.body)));
       double* const block = blocks.data() + static_cast<std::ptrdiff_t>(row) * Dim * Dim;
-      for (int d = 0; d < Dim; ++d)
-        block[d * (Dim + 1)] += least[static_cast<std::size_t>(row)] * all.inside(cell.body);
+      for (int d = 0; d < Dim; ++d) block[d * (Dim + 1)] += load * all.inside(cell.body);
     }
 }
 

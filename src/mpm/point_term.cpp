@@ -42,9 +42,9 @@ template <int Dim> std::vector<CellRows<Dim>> cells_of(const CellRun<Dim>& run)
 
 template <int Dim>
 PointTerm<Dim>::PointTerm(const field::Rows& rows, std::vector<PointCell<Dim>> cells,
-                          std::vector<BodyMaterial> materials)
+                          std::vector<BodyMaterial> materials, double viscosity)
     : cells_(std::move(cells)), copies_(fetch_copies<Dim>(rows, cells_)), materials_(std::move(materials)),
-      patterns_(materials_)
+      patterns_(materials_), viscosity_(viscosity)
 {
   for (const PointCell<Dim>& cell : cells_) points_ += std::popcount(cell.points);
 }
@@ -104,6 +104,12 @@ double PointTerm<Dim>::add_viscous(std::span<const double> b, std::span<const do
       if (cells == &own_) power += lost;
     }
   return power;
+}
+
+template <int Dim>
+void PointTerm<Dim>::add_damping(std::span<const double> u, std::span<const double> v, std::span<double> r) const
+{
+  add_viscous(std::vector<double>(materials_.size(), viscosity_), u, v, r);
 }
 
 template <int Dim> double PointTerm<Dim>::energy(std::span<const double> u) const

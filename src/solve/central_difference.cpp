@@ -47,7 +47,7 @@ PetscErrorCode step(TS ts)
   return guard([&] {
     CentralDifference& own = data_of(ts);
     const double dt = ts->time_step;
-    if (!own.fresh) {
+    if (!own.fresh && !own.motion.whole) {
       PDX_CALL(TSComputeRHSFunction(ts, ts->ptime, ts->vec_sol, own.acceleration.get()));
       own.fresh = true;
     }
@@ -55,9 +55,13 @@ PetscErrorCode step(TS ts)
     double end = own.origin.time + (ts->steps - own.origin.step + 1) * dt;
     if (std::abs(end - ts->max_time) < kSameTime * dt) end = ts->max_time; // no step for a rounding
     PDX_CALL(TSPreStage(ts, ts->ptime));
-    advance<true>(ts, dt, end);
-    PDX_CALL(TSComputeRHSFunction(ts, end, ts->vec_sol, own.acceleration.get()));
-    advance<false>(ts, dt, end);
+    if (own.motion.whole)
+      own.motion.whole(ts->ptime, end);
+    else {
+      advance<true>(ts, dt, end);
+      PDX_CALL(TSComputeRHSFunction(ts, end, ts->vec_sol, own.acceleration.get()));
+      advance<false>(ts, dt, end);
+    }
     PDX_CALL(TSPostStage(ts, end, 0, &ts->vec_sol));
     PetscReal next = dt;
     PetscBool accept = PETSC_TRUE;

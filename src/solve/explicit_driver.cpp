@@ -25,7 +25,9 @@ ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& opt
       },
       this));
   set_motion(ts_.get(), {[this](double time, double* u) { moving_.move_alone(time, u); },
-                         [this](double time, double* v) { moving_.move_velocity_alone(time, v); }});
+                         [this](double time, double* v) { moving_.move_velocity_alone(time, v); },
+                         {}});
+  if (system.steps) set_motion(ts_.get(), {{}, {}, [this](double begin, double end) { step_alone(begin, end); }});
   PDX_CALL(TSSetUp(ts_.get()));
 }
 
@@ -66,7 +68,32 @@ void ExplicitDriver::evaluate(double time, std::span<double> a)
   static Event event("time_acceleration");
   const Timed timed(event);
   moving_.unbalanced(time, a);
+  moving_.add_damping(a);
   moving_.accelerate(a);
+}
+
+void ExplicitDriver::step_alone(double begin, double end)
+{
+  static Event event("time_own_step");
+  const Timed timed(event);
+  try {
+    moving_.system.steps->step(begin, end, step() == 0);
+  } catch (const SolverFailure& failure) {
+    const std::string why =
+        fmt::format("step {}, time {:.6g} s: {}; the state of step {} is kept; try a smaller -ts_dt "
+                    "than {:.4g} s, or check material and units",
+                    step() + 1, end, failure.what(), good_step(), step_length());
+    go_back();
+    throw SolverFailure(why);
+  }
+  moving_.set_work(moving_.system.steps->work());
+  fall_behind(end - begin);
+}
+
+KineticEnergy ExplicitDriver::kinetic_energy() const
+{
+  catch_up();
+  return moving_.kinetic_energy(acceleration(), step_length());
 }
 
 void ExplicitDriver::start(double time, std::span<double> a)

@@ -85,6 +85,29 @@ void MovingSystem::unbalanced(double time, std::span<double> f)
       f[static_cast<std::size_t>(load.drive->components[k])] -= load.force[k];
 }
 
+void MovingSystem::add_damping(std::span<double> f)
+{
+  const auto damps = [](const auto& term) { return term->damps(); };
+  if (std::ranges::none_of(system.terms, damps)) return;
+  system.halo->fetch(v, system.rows.dim, all_velocities_);
+  damping_.assign(owned(), 0.0);
+  for (const auto& term : system.terms)
+    if (damps(term)) term->add_damping(u, all_velocities_, damping_);
+  const auto& held = system.prescribed.components;
+  for (std::size_t k = 0; k < held.size(); ++k) held_[k] += damping_[static_cast<std::size_t>(held[k])];
+  power_ = 0.0;
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    f[i] += damping_[i];
+    power_ += damping_[i] * v[i];
+  }
+}
+
+void MovingSystem::foresee_damping(std::span<const double> a, double step)
+{
+  damped_.power = 0.0;
+  for (std::size_t i = 0; i < damping_.size(); ++i) damped_.power += damping_[i] * (v[i] + 0.5 * step * a[i]);
+}
+
 void MovingSystem::load_at(double time)
 {
   for (Load& load : loads_) {
@@ -95,9 +118,10 @@ void MovingSystem::load_at(double time)
   }
 }
 
-void MovingSystem::resume(double time, double work, std::span<const double> held_force)
+void MovingSystem::resume(double time, double work, const Damped& damped, std::span<const double> held_force)
 {
   work_ = work;
+  damped_ = damped;
   const auto& held = system.prescribed.components;
   for (std::size_t k = 0; k < held.size(); ++k) held_[k] = held_force[static_cast<std::size_t>(held[k])];
   load_at(time);
@@ -112,7 +136,7 @@ void MovingSystem::held_force(std::vector<double>& force) const
 
 double MovingSystem::stored_energy() const
 {
-  double sum = 0.0;
+  double sum = damped_.energy;
   for (const auto& term : system.terms) sum += term->energy(u);
   for (const auto& change : system.after_step) sum += change->dissipated();
   MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, system.rows.comm);
@@ -246,8 +270,9 @@ void MovingSystem::note()
   held_kinetic_before_ = held_kinetic();
 }
 
-void MovingSystem::book()
+void MovingSystem::book(double length)
 {
+  damped_.energy += 0.5 * length * (damped_.power + power_);
   for (const Load& load : loads_)
     for (std::size_t k = 0; k < load.force.size(); ++k)
       work_ += 0.5 * (load.force_before[k] + load.force[k]) *

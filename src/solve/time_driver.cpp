@@ -30,7 +30,8 @@ VecHandle vector_on(const field::Rows& rows, double* values)
 
 TimeDriver::TimeDriver(field::System& system)
     : moving_(system), displacement_(vector_on(system.rows, moving_.u.data())),
-      velocity_(vector_on(system.rows, moving_.v.data()))
+      velocity_(vector_on(system.rows, moving_.v.data())), told_u_(moving_.u.data(), moving_.owned()),
+      told_v_(moving_.v)
 {}
 
 void TimeDriver::make_ts(const char* type)
@@ -93,6 +94,7 @@ bool TimeDriver::sound()
 void TimeDriver::refuse_unsound()
 {
   if (sound()) return;
+  catch_up();
   const auto place = moving_.fastest_place();
   const std::string why =
       fmt::format("step {}, time {:.6g} s: the energy of motion grew beyond all work done, fastest at ({:g}, "
@@ -106,14 +108,15 @@ void TimeDriver::refuse_unsound()
 void TimeDriver::after_step()
 {
   after_evaluations();
-  moving_.book();
-  losses_.clear();
   const double length = time() - asked(ts_.get(), TSGetPrevTime);
+  moving_.book(length);
+  losses_.clear();
   for (const auto& change : moving_.system.after_step) {
     change->stepped(length);
     change->apply(moving_.u, losses_);
   }
   if (!losses_.empty()) let_go(losses_);
+  moving_.foresee_damping(acceleration(), step_length());
   moving_.note();
   if (step() % kCheckInterval == 0 || step() >= expected_steps()) {
     refuse_unsound();
@@ -141,8 +144,16 @@ void TimeDriver::go_back()
   set_state(good_.clock, good_.state);
 }
 
+void TimeDriver::catch_up() const
+{
+  if (behind_ > 0.0) moving_.system.steps->tell(behind_, told_u_, told_v_);
+  behind_ = 0.0;
+}
+
 void TimeDriver::copy_state(field::State& to) const
 {
+  catch_up();
+  if (moving_.system.steps) to.inner = moving_.system.steps->inner();
   const auto owned = static_cast<std::ptrdiff_t>(moving_.owned());
   to.u.assign(moving_.u.begin(), moving_.u.begin() + owned);
   to.v = moving_.v;
@@ -160,20 +171,23 @@ field::State TimeDriver::state() const
 
 void TimeDriver::set_state(const Clock& clock, const field::State& state)
 {
+  if (moving_.system.steps) moving_.system.steps->resume(clock.time, state.inner, clock.work);
+  behind_ = 0.0;
   std::ranges::copy(state.u, moving_.u.begin());
   std::ranges::copy(state.v, moving_.v.begin());
   set_acceleration(clock.origin, state.a);
   PDX_CALL(TSSetTime(ts_.get(), clock.time));
   PDX_CALL(TSSetStepNumber(ts_.get(), clock.step));
   if (clock.length > 0.0) set_step(clock.length);
-  moving_.resume(clock.time, clock.work, state.held);
+  moving_.resume(clock.time, clock.work, clock.damped, state.held);
   energy_bound_ = clock.energy_bound;
   start_bound_ = clock.start_bound;
 }
 
 TimeDriver::Clock TimeDriver::clock() const
 {
-  return {time(), step(), step_length(), origin(), moving_.work(), energy_bound_, good_.clock.initial, start_bound_};
+  return {time(),       step(),          step_length(), origin(), moving_.work(), energy_bound_, good_.clock.initial,
+          start_bound_, moving_.damped()};
 }
 
 void TimeDriver::resume(const Clock& clock, const field::State& state)
@@ -196,6 +210,7 @@ void TimeDriver::resume_changed(const Clock& clock, const field::State& state)
   std::vector<double> a(moving_.owned(), 0.0);
   start(clock.time, a);
   set_acceleration(clock.origin, a);
+  moving_.foresee_damping(a, step_length());
   resumed_ = true;
 }
 
@@ -206,6 +221,7 @@ TimeDriver::Verdict TimeDriver::run(const AfterEach& after_each)
     std::vector<double> a(moving_.owned(), 0.0);
     start(0.0, a);
     set_acceleration({}, a);
+    moving_.foresee_damping(a, step_length());
     const KineticEnergy energy = kinetic_energy();
     const double stored = moving_.stored_energy();
     good_.clock.initial = energy.moving - energy.scheme + stored;

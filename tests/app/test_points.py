@@ -27,6 +27,11 @@ BALL = SOFT | {"-material_plane": "solid", "-mpm_bodies": "ball", "-mpm_ball_sph
 # A bar of 20 x 4 cells, held at its left end and pulled at its right one: in the end stretched as the closed form says.
 BAR = SOFT | {"-material_poisson": "0", "-mpm_bodies": "bar", "-mpm_bar_box": "0,0,0.04,0.008", "-bc_names": "left,right",
               "-bc_left_on": "left", "-bc_left_displacement": "0,free", "-bc_right_on": "right", "-bc_right_traction": "1e3,0"}
+# A bar of which .03 m hit the rest at 30 m/s, as one: waves of rho c v / 2 = 1500 Pa and, where they meet again, the same
+# as a pull (the paper's section 5.1).
+SPALL = SOFT | {"-material_young": "1e4", "-material_poisson": "0", "-material_density": "1", "-mpm_bodies": "bar",
+                "-mpm_bar_box": "0,0,0.1,0.002", "-bc_names": "hit", "-bc_hit_box": "0,0,0.03,0.002",
+                "-bc_hit_initial_velocity": "30,0", "-ts_max_time": "1.15e-3"}
 SPINNING = DISC | {"-mpm_disc_velocity": None, "-mpm_disc_spin": "200"}
 
 
@@ -67,12 +72,39 @@ class Points(program.ProgramTest):
                 other = self.solve(scene, ranks)
                 self.assert_same_displacement(one, other, 1e-10)
 
+    def test_bulk_viscosity_takes_the_overshoot_of_an_impact(self):
+        peaks = []
+        for more in ({}, {"-mpm_bulk_viscosity": "0.06"}):
+            run = self.solve(SPALL | more | {"-output_fields": "", "-output_interval": "3"})
+            pull = [fields.read_step(run.directory, k)[1]["points"]["stress"][:, 0].max() for k in range(fields.step_count(run.directory))]
+            peaks.append(max(pull) / 1500)
+            rows = run.history()
+            begin = rows[0]["energy_kinetic_points"]
+            self.assertLess(max(abs(row["energy_residual"]) for row in rows), 1e-3 * begin)
+            self.assertEqual(run.summary["results"]["viscous_energy"], rows[-1]["energy_viscous"])
+        self.assertGreater(peaks[0], 1.3)
+        self.assertTrue(1.0 < peaks[1] < 1.1, peaks)
+        self.assertTrue(0.04 < rows[-1]["energy_viscous"] / begin < 0.1)
+        self.assertTrue(all(a["energy_viscous"] <= b["energy_viscous"] for a, b in zip(rows, rows[1:])))
+
+    def test_what_viscosity_takes_is_booked_exactly(self):
+        small = SPALL | {"-mpm_bulk_viscosity": "0.3", "-bc_hit_initial_velocity": "1e-6,0"}
+        for more in ({}, {"-bc_names": "hit,left", "-bc_left_on": "left", "-bc_left_velocity": "-1e-6,free"}):
+            rows = self.solve(small | more, 2).history()
+            put_in = max(row["energy_kinetic_points"] + row["energy_points"] for row in rows)
+            self.assertLess(max(abs(row["energy_residual"]) for row in rows), 1e-7 * put_in)
+            self.assertGreater(rows[-1]["energy_viscous"], 0.1 * put_in)
+
+    def test_a_body_that_flies_is_not_viscous(self):
+        results = self.solve(BALL | {"-mpm_bulk_viscosity": "1"}).summary["results"]
+        self.assertLess(results["viscous_energy"], 1e-20 * results["kinetic_energy"])
+
     def test_a_restart_goes_on_to_the_last_bit(self):
-        for ranks in (1, 2):
-            whole = self.solve(SPINNING, ranks)
+        for ranks, scene in ((1, SPINNING | {"-mpm_bulk_viscosity": "0.06"}), (2, SPINNING)):
+            whole = self.solve(scene, ranks)
             directory = self.scratch / f"half_{ranks}"
-            self.solve(SPINNING | {"-ts_max_steps": "100", "-checkpoint_interval": "100"}, ranks, directory)
-            rest = self.solve(SPINNING | {"-restart": str(directory / "checkpoint.h5")}, ranks, directory)
+            self.solve(scene | {"-ts_max_steps": "100", "-checkpoint_interval": "100"}, ranks, directory)
+            rest = self.solve(scene | {"-restart": str(directory / "checkpoint.h5")}, ranks, directory)
             self.assertEqual(whole.history(), rest.history())
 
     def test_a_restart_knows_its_bodies(self):
@@ -90,6 +122,76 @@ class Points(program.ProgramTest):
                      for scene in (BAR, BAR | {"-mpm_bar_box": None, "-mpm_bar_file": str(file)}))
         for a, b in zip(box.history(), read.history(), strict=True):
             self.assertAlmostEqual(a["energy_points"], b["energy_points"], delta=1e-12 * abs(a["energy_points"]))
+
+
+GRID = {"-mpm_formulation": "updated", "-ts_safety": "0.3"}
+# Discs that meet on the nodes of one grid and part again.
+MEET = SOFT | GRID | {"-mpm_bodies": "left,right", "-mpm_left_disc": "0,0,0.008", "-mpm_left_velocity": "0.7,0.1",
+                      "-mpm_right_disc": "0.0175,0,0.008", "-mpm_right_velocity": "-0.7,0.05"}
+
+
+class Grid(program.ProgramTest):
+    """Points on a grid that is made anew each step."""
+
+    def test_a_body_that_flies_feels_nothing(self):
+        for scene, ranks in ((DISC | GRID, 2), (BALL | GRID | {"-mpm_shape": "gimp"}, 1), (BALL | GRID | {"-mpm_shape": "bspline"}, 3)):
+            run = self.solve(scene, ranks)
+            rows, results = run.history(), run.summary["results"]
+            self.assertLess(results["strain_energy"], 1e-20 * rows[0]["energy_kinetic_points"])
+            self.assertLess(results["momentum_error_ratio"], 1e-13)
+            self.assertEqual(run.summary["unknowns"]["mpm"], results["material_points"])
+            self.assertFalse([name for name in run.events if name.startswith(("pd_", "bond_", "element_", "mpm_force"))])
+
+    def test_ranks_move_points_alike(self):
+        for scene in (MEET | {"-ts_max_steps": "500"}, BALL | GRID | {"-mpm_ball_spin": "50,100,0", "-mpm_shape": "bspline"}):
+            one = self.solve(scene | {"-output_fields": "", "-output_interval": "1000"})
+            for ranks in (2, 3):
+                self.assert_same_displacement(one, self.solve(scene | {"-output_fields": "", "-output_interval": "1000"}, ranks), 1e-10)
+
+    def test_a_restart_goes_on_to_the_last_bit(self):
+        for ranks, shape in ((1, "hat"), (2, "gimp")):
+            scene = MEET | {"-mpm_shape": shape, "-ts_max_steps": "300"}
+            whole = self.solve(scene, ranks)
+            directory = self.scratch / f"half_{ranks}"
+            self.solve(scene | {"-ts_max_steps": "150", "-checkpoint_interval": "150"}, ranks, directory)
+            rest = self.solve(scene | {"-restart": str(directory / "checkpoint.h5")}, ranks, directory)
+            self.assertEqual(whole.history(), rest.history())
+            other = self.solve(scene | {"-restart": str(directory / "checkpoint.h5")}, 3 - ranks)
+            self.assertAlmostEqual(other.history()[-1]["momentum_x"], whole.history()[-1]["momentum_x"], delta=1e-12)
+
+    def test_discs_that_meet_on_nodes_keep_momentum_and_energy(self):
+        rows = self.solve(MEET | {"-mpm_shape": "bspline", "-ts_max_time": "4e-3", "-ts_safety": "0.15"}).history()
+        begin = rows[0]["energy_kinetic_points"]
+        self.assertLess(max(abs(row["energy_residual"]) for row in rows), 1.5e-2 * begin)
+        self.assertGreater(max(row["energy_points"] for row in rows), 0.3 * begin)
+        for name in ("momentum_x", "momentum_y"):
+            self.assertLess(max(abs(row[name] - rows[0][name]) for row in rows), 1e-13 * 0.2 * 0.7)
+        speed = [row["velocity_left_x"] for row in rows]
+        first = next(k for k, v in enumerate(speed) if v < -0.3)
+        self.assertGreater(max(speed[first:]), 0.3) # they stick, and swing as one
+
+    def test_a_bar_hangs_from_nodes(self):
+        # Let go at once, it swings to twice the static stretch rho g L^2 / 2 E and back in 4 L / c.
+        period, pull = 4 * 0.04 / math.sqrt(1e6 / 1e3), 5e3
+        hung = BAR | GRID | {"-mpm_shape": "gimp", "-bc_names": "left,heavy", "-bc_left_displacement": "0,free",
+                             "-bc_right_on": None, "-bc_right_traction": None, "-bc_heavy_body": f"{pull},0",
+                             "-ts_max_time": str(period / 2)}
+        for ranks in (1, 2):
+            run = self.solve(hung | {"-output_fields": "", "-output_interval": "100000"}, ranks)
+            block = fields.read_step(run.directory)[1]["points"]
+            ends = block.points[:, 0] > 0.039
+            static = pull * (0.04 * 0.0395 - 0.0395**2 / 2) / 1e6
+            self.assertAlmostEqual(np.mean(block["displacement"][ends, 0]) / (2 * static), 1.0, delta=0.02)
+            rows = run.history()
+            self.assertAlmostEqual(rows[-1]["work"] / (rows[-1]["energy_points"] + rows[-1]["energy_kinetic_points"]), 1.0, delta=0.01)
+            mean = sum(row["reaction_left_x"] for row in rows[1:]) / (len(rows) - 1)
+            self.assertAlmostEqual(-mean / (pull * 0.04 * 0.008), 1.0, delta=0.05)
+
+    def test_a_run_gone_wild_is_one_line(self):
+        run = self.launch(MEET | {"-ts_dt": "1e-3", "-ts_allow_unstable": "", "-ts_max_steps": "400"}, ranks=2)
+        self.assertEqual(run.status, 2)
+        self.assertEqual(len(run.err.splitlines()), 1)
+        self.assertRegex(run.err, r"^error: step \d+, time .* is kept; try a smaller -ts_dt")
 
 
 if __name__ == "__main__":

@@ -49,7 +49,7 @@ class ContactBooks;
 }
 
 namespace pdx::app {
-template <int Dim> struct PointBody final : PointModel {
+template <int Dim> struct PointBody : PointModel {
   PointBody(const PointPlan<Dim>& filled, const mesh::Mesh& mesh) : plan(filled), grid(filled, mesh) {}
 
   const PointPlan<Dim>& plan; ///< outlives this
@@ -76,6 +76,9 @@ template <int Dim> struct PointBody final : PointModel {
 template <int Dim>
 std::unique_ptr<PointBody<Dim>> discretise(const SceneOptions& options, const PointPlan<Dim>& plan,
                                            const mesh::Mesh& mesh);
+
+/// What the bodies of a plan share with those that a checkpoint is of.
+template <int Dim> std::string described(const PointPlan<Dim>& plan);
 
 /// Adds the Term of contact between two bodies or more, if they may touch. Collective. Throws UserError for bodies that
 /// overlap.

@@ -2,6 +2,7 @@
 #include "pdx/geom/box.hpp"
 #include "pdx/geom/frame.hpp"
 #include "pdx/law/elastic.hpp"
+#include "pdx/mpm/grid_rule.hpp"
 #include "pdx/mpm/point_cells.hpp"
 
 #include <optional>
@@ -55,7 +56,9 @@ struct PointOptions {
   std::vector<PointBodyOptions> bodies;
   Formulation formulation = Formulation::total;
   mpm::Law law = mpm::Law::corotational;
-  int ratio = 2; ///< cells of the grid over the spacing of points
+  int ratio = 2;          ///< cells of the grid over the spacing of points
+  double viscosity = 0.0; ///< linear bulk viscosity b [-]
+  mpm::GridRule grid;     ///< of `updated`; its side is not yet known
   ContactOptions contact;
   /// Around each body, that of elements last; of a mixed scene, once it is settled [m].
   std::vector<geom::Box<2>> regions;

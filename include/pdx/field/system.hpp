@@ -3,6 +3,7 @@
 #include "pdx/field/after_step.hpp"
 #include "pdx/field/coarse_space.hpp"
 #include "pdx/field/drive.hpp"
+#include "pdx/field/own_steps.hpp"
 #include "pdx/field/term.hpp"
 
 #include <memory>
@@ -19,6 +20,7 @@ struct System {
   Rows rows;
   std::unique_ptr<RowHalo> halo;
   std::vector<std::unique_ptr<Term>> terms;
+  std::unique_ptr<OwnSteps> steps;                    ///< null: forces of the Terms move the rows
   std::vector<std::unique_ptr<AfterSolve>> after;     ///< asked in this order after each solve
   std::vector<std::unique_ptr<AfterStep>> after_step; ///< asked in this order after each time step
   Prescribed prescribed;

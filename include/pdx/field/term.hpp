@@ -20,6 +20,14 @@ public:
   virtual void add_residual(std::span<const double> u, std::span<double> r) const = 0;
   /// Time that `add_residual` has spent waiting for other ranks [s].
   virtual double waited() const { return 0.0; }
+  /// True if the Term resists motion too: explicit steps then call `add_damping`.
+  virtual bool damps() const { return false; }
+  /// r += force against the velocity [N] of the owned rows, opposed to motion like that of `add_residual`.
+  /// @param u, v halo.size() * dim [m], [m/s]   @param r owned * dim
+  virtual void add_damping(std::span<const double> u, std::span<const double> v, std::span<double> r) const
+  {
+    (void)u, (void)v, (void)r;
+  }
   /// Strain energy of what this rank counts as its own [J]; the sum over ranks is the Term's energy.
   virtual double energy(std::span<const double> u) const = 0;
 

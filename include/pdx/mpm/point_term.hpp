@@ -11,7 +11,9 @@ template <int Dim> class PointTerm final : public field::Term {
 public:
   /// Takes the cells of this rank; every cell of the scene is given by one rank, any that likes. Who owns a corner gets
   /// a copy, so that no force travels. Bodies, and their materials, are the same on every rank. Collective.
-  PointTerm(const field::Rows& rows, std::vector<PointCell<Dim>> cells, std::vector<BodyMaterial> materials);
+  /// @param viscosity linear bulk viscosity b of `add_damping`, of all bodies [-]
+  PointTerm(const field::Rows& rows, std::vector<PointCell<Dim>> cells, std::vector<BodyMaterial> materials,
+            double viscosity = 0.0);
 
   void needed_rows(std::vector<PetscInt>& rows) const override;
   void bind(const field::RowHalo& halo) override;
@@ -21,14 +23,17 @@ public:
   void couplings(field::Couplings& couplings, bool whole) const override;
   void add_jacobian(field::BlockAdder& adder, bool whole) const override;
   bool constant_jacobian() const override { return false; }
+  bool damps() const override { return viscosity_ > 0.0; }
+  void add_damping(std::span<const double> u, std::span<const double> v, std::span<double> r) const override;
   /// By points: m_I = sum over points of m_p N_I(X_p).
   void add_mass(std::span<double> mass) const override;
   /// By `CellBounds`, the load of a cell on its corners moved from those that have much of it for their mass to others:
-  /// 4 % below the longest step of a square, 5 to 7 % of a disc, 10 % of a cube or a ball. Collective.
+  /// 4 % below the longest step of a square, 5 to 7 % of a disc, 10 % of a cube or a ball. Viscous forces that lag half
+  /// a step behind make it shorter: by sqrt(1 + q^2) - q, q = b (lambda + 2 mu) / (lambda + 2 mu / Dim). Collective.
   void add_stiffness_bound(std::span<double> blocks) const override;
 
   /// Linear bulk viscosity, first Piola stress b rho c_L h tr(D) cof F at the points, at displacement u and velocity v,
-  /// both [owned | halo]: r += its force [N] on owned rows. A step must be shorter by sqrt(1 + b^2) - b.
+  /// both [owned | halo]: r += its force [N] on owned rows.
   /// @param b of each body [-]   @return power that this rank's points lose [W]
   double add_viscous(std::span<const double> b, std::span<const double> u, std::span<const double> v,
                      std::span<double> r) const;
@@ -66,6 +71,7 @@ private:
   std::vector<double> displacement_;  ///< of local rows at the last linearisation [m]
   const field::RowHalo* halo_ = nullptr;
   Index points_ = 0, owned_rows_ = 0;
+  double viscosity_; ///< b [-]
   Processor processor_ = chosen_processor();
 };
 } // namespace pdx::mpm

@@ -11,9 +11,10 @@ struct Energies {
   double points = 0.0;                                 ///< elastic: material points
   double contact = 0.0;                                ///< between bodies that touch; elastic too
   double friction = 0.0;                               ///< taken by it so far
+  double viscous = 0.0;                                ///< likewise, by damping
 
   double elastic() const { return elements + bonds + interface + points + contact; }
-  double taken() const { return dissipated + friction; } ///< for good
+  double taken() const { return dissipated + friction + viscous; } ///< for good
 };
 
 /// The books after a step. [J]

@@ -18,6 +18,8 @@ void register_central_difference();
 struct Motion {
   std::function<void(double time, double* u)> displacement;
   std::function<void(double time, double* v)> velocity;
+  /// Takes the place of all that a step does with u, v and the acceleration, if there is one.
+  std::function<void(double begin, double end)> whole;
 };
 void set_motion(TS ts, Motion motion);
 

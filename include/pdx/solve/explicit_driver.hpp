@@ -17,13 +17,14 @@ public:
   ExplicitDriver(field::System& system, const ExplicitOptions& options);
 
   std::span<const double> acceleration() const override;
-  KineticEnergy kinetic_energy() const override { return moving_.kinetic_energy(acceleration(), step_length()); }
+  KineticEnergy kinetic_energy() const override;
 
 private:
   void choose_step() const;
   void judge_step(double length) const override;
   double fitting_step(double length) const override;
   void evaluate(double time, std::span<double> a);
+  void step_alone(double begin, double end);
   StepOrigin origin() const override { return step_origin(ts_.get()); }
   void set_acceleration(const StepOrigin& origin, std::span<const double> a) override;
   void start(double time, std::span<double> a) override;

@@ -28,6 +28,9 @@ public:
   /// Refreshes the halo of u. f = internal force - loads at that time, of the owned components; both are remembered
   /// where something is held or loaded. Collective.
   void unbalanced(double time, std::span<double> f);
+  /// f += forces of Terms against the velocity, where there are any; after `unbalanced`, when v is that of half a step
+  /// before. Collective.
+  void add_damping(std::span<double> f);
   /// What each of `system.terms` has computed in `unbalanced` so far, without waiting for other ranks; empty before
   /// the first [s].
   std::span<const double> busy() const { return busy_; }
@@ -49,17 +52,31 @@ public:
   /// Call with the state between steps: `note` before the first, `book` then `note` after each. Trapezoidal rule, for
   /// central differences exact in the energy that the scheme conserves. What is held is moved against its internal
   /// force and its own inertia.
+  ///@{
   void note();
-  void book();
+  /// @param length of the step that ended [s]
+  void book(double length);
+  ///@}
   double work() const { return work_; } ///< since the start, this rank's part [J]
-  /// Goes on from a state between steps: this rank's work, `held_force`, and the loads of that time.
-  void resume(double time, double work, std::span<const double> held_force);
+  void set_work(double work) { work_ = work; }
+  /// What damping has taken, this rank's part. Its force acts on either side of a step's end, as it was there.
+  struct Damped {
+    double energy = 0.0; ///< since the start [J]
+    double power = 0.0;  ///< of the present force in the half step to come [W]
+  };
+  const Damped& damped() const { return damped_; }
+  /// Call after each step, when its end has come to the acceleration that the next begins with.
+  /// @param a owned [m/s^2]   @param step length of the next [s]
+  void foresee_damping(std::span<const double> a, double step);
+  /// Goes on from a state between steps: this rank's work, what damping took, `held_force`, and the loads of that time.
+  void resume(double time, double work, const Damped& damped, std::span<const double> held_force);
 
   /// Of all ranks [kg m/s]. Collective. @param v owned, as in `v`
   std::array<double, 3> momentum(std::span<const double> velocity) const;
   /// @param a owned [m/s^2]   @param step length [s]   Collective.
   KineticEnergy kinetic_energy(std::span<const double> a, double step) const;
-  /// Strain energy, and what broken bonds have taken, of all ranks; the halo of u must be fresh. Collective. [J]
+  /// Strain energy, and what broken bonds and damping have taken, of all ranks; the halo of u must be fresh.
+  /// Collective. [J]
   double stored_energy() const;
   /// Internal force at the last `unbalanced` where something is held, 0 on other owned components [N].
   void held_force(std::vector<double>& force) const;
@@ -93,5 +110,8 @@ private:
   std::vector<double> held_, held_before_, held_u_before_;
   double held_kinetic_before_ = 0.0, work_ = 0.0;
   std::vector<double> busy_; // per Term [s]
+  Damped damped_;
+  double power_ = 0.0;                           // of damping in the half step that ended [W]
+  std::vector<double> damping_, all_velocities_; // owned [N]; [owned | halo] [m/s]
 };
 } // namespace pdx::solve

@@ -30,12 +30,15 @@ public:
   int good_step() const { return good_.clock.step; } ///< of the last state that was found sound
   int expected_steps() const;                        ///< in all, if nothing stops the run
 
-  std::span<const double> local() const { return moving_.u; } ///< displacement [owned | halo] [m]
-  std::span<const double> u() const { return {moving_.u.data(), moving_.owned()}; }
-  std::span<const double> v() const { return moving_.v; }   ///< owned [m/s]
+  /// What moves by steps of its own is asked for its rows by these: they are collective.
+  ///@{
+  std::span<const double> local() const { return caught_up().u; } ///< displacement [owned | halo] [m]
+  std::span<const double> u() const { return {caught_up().u.data(), moving_.owned()}; }
+  std::span<const double> v() const { return caught_up().v; } ///< owned [m/s]
+  ///@}
   virtual std::span<const double> acceleration() const = 0; ///< owned [m/s^2]
   const MovingSystem& moving() const { return moving_; }
-  Vec displacement() const { return displacement_.get(); }
+  Vec displacement() const { return catch_up(), displacement_.get(); }
   virtual KineticEnergy kinetic_energy() const = 0; ///< Collective.
 
   /// All that a run needs besides u, v and the acceleration to go on to the last bit.
@@ -44,10 +47,11 @@ public:
     int step = 0;
     double length = 0.0; ///< of the step to come [s]
     StepOrigin origin;
-    double work = 0.0;         ///< of this rank [J]
-    double energy_bound = 0.0; ///< what the kinetic energy is judged by [J]
-    double initial = 0.0;      ///< energy at time 0 [J]
-    double start_bound = 0.0;  ///< what energy_bound began with [J]
+    double work = 0.0;           ///< of this rank [J]
+    double energy_bound = 0.0;   ///< what the kinetic energy is judged by [J]
+    double initial = 0.0;        ///< energy at time 0 [J]
+    double start_bound = 0.0;    ///< what energy_bound began with [J]
+    MovingSystem::Damped damped; ///< of this rank
   };
   Clock clock() const;
   /// Between two steps. Acceleration and held force were evaluated before the bonds broke that are gone now, so they
@@ -75,7 +79,11 @@ protected:
   /// Takes internal forces that are no longer there out of the acceleration: the step that ended felt them, the next
   /// one does not.
   virtual void let_go(const field::ForceLosses& losses) = 0;
-  virtual void after_evaluations() {} ///< of a step, before what may change the scene looks at it
+  void go_back(); ///< to the last state that was found sound
+  /// u and v are those of the last step, where what moves by itself has not told them yet.
+  void catch_up() const;
+  void fall_behind(double length) { behind_ = length; } ///< a step of that length was made without them [s]
+  virtual void after_evaluations() {}                   ///< of a step, before what may change the scene looks at it
 
   MovingSystem moving_;
   VecHandle displacement_, velocity_; // on moving_.u and moving_.v
@@ -88,11 +96,13 @@ private:
   int most_steps() const; ///< asked for
   void refuse_spent_run() const;
   void keep();
-  void go_back();
+  const MovingSystem& caught_up() const { return catch_up(), moving_; }
   void copy_state(field::State& to) const;
   void set_state(const Clock& clock, const field::State& state);
 
   double energy_bound_ = 0.0, start_bound_ = 0.0;
+  mutable double behind_ = 0.0;       // [s]
+  std::span<double> told_u_, told_v_; // owned, of moving_
   bool resumed_ = false;
   AfterEach after_each_;
   Verdict verdict_ = Verdict::go_on;

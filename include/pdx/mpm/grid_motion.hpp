@@ -1,0 +1,74 @@
+#pragma once
+#include "pdx/base/petsc.hpp"
+#include "pdx/geom/box.hpp"
+#include "pdx/mpm/grid_kernel.hpp"
+#include "pdx/mpm/grid_nodes.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace pdx::mpm {
+/// Nodes that are held along an axis: those in a box of space, whatever points come by.
+template <int Dim> struct GridHold {
+  geom::Box<Dim> box; ///< [m]
+  int axis = 0;
+  std::function<double(double time)> velocity; ///< [m/s]
+};
+
+/// Bodies of material points on a grid that is fixed in space and made anew each step [PDMPM section 2]. Each rank
+/// moves the points it was given, wherever they go; nodes that several ranks see are added up between them. Bodies
+/// share the grid, and so do not pass through each other. The grid has no ends.
+template <int Dim> class GridMotion {
+public:
+  /// @param origin a node of the grid [m]   @param points of each body, on this rank, numbered from 0   Collective.
+  GridMotion(MPI_Comm comm, const GridRule& rule, const Vector<Dim>& origin, std::vector<BodyMaterial> bodies,
+             std::vector<std::vector<GridPoint<Dim>>> points);
+
+  void hold(GridHold<Dim> hold) { holds_.push_back(std::move(hold)); }
+  /// Force on each point of a body [N].
+  void set_push(std::size_t body, const Vector<Dim>& push) { push_[body] = push; }
+
+  /// The length of a step is `length`; the velocity is changed over `kick`: half a step where it begins at rest in
+  /// time. Throws SolverFailure for points that are nowhere. Collective.
+  void step(double time, double length, double kick);
+
+  /// All of this rank.
+  ///@{
+  PointEnergies energies() const;                             ///< [J]
+  std::vector<GridPoint<Dim>> points(std::size_t body) const; ///< in order of numbers
+  const PointLanes<Dim>& lanes(std::size_t body) const { return points_[body]; }
+  double work() const { return work_; } ///< of what holds and pushes, since the start [J]
+  ///@}
+  /// The points of each body at the end of the last step: their velocities are half a step behind. Collective.
+  /// @param half of that step [s]
+  std::vector<PointLanes<Dim>> ended(double half);
+  void resume(std::vector<std::vector<GridPoint<Dim>>> points, double work, double time = 0.0);
+  const GridRule& rule() const { return rule_; }
+  Vector<Dim> place(const GridPoint<Dim>& point) const { return origin_ + rule_.side * point.at; } ///< [m]
+  std::span<const double> hold_force() const
+  {
+    return hold_force_;
+  } ///< on each hold's nodes in the last step, this rank's part [N]
+
+private:
+  void lay_grid();
+  void regroup();
+  void give_all(const Giving& what);
+  void take_all(const Taking& what);
+  void settle_velocity(bool momentum, bool force, double kick);
+  void hold_nodes(double time, double kick, bool force, bool brought);
+
+  MPI_Comm comm_;
+  GridRule rule_;
+  Vector<Dim> origin_;
+  std::vector<BodyMaterial> bodies_;
+  std::vector<PointLanes<Dim>> points_;
+  std::vector<Vector<Dim>> push_;
+  std::vector<GridHold<Dim>> holds_;
+  GridNodes<Dim> nodes_;
+  double work_ = 0.0, time_ = 0.0; ///< [J]; at the end of the last step [s]
+  std::vector<double> hold_force_;
+  double point_mass_ = 0.0; ///< least of all [kg]
+  Processor processor_ = chosen_processor();
+};
+} // namespace pdx::mpm

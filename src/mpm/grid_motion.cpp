@@ -1,0 +1,224 @@
+#include "pdx/mpm/grid_motion.hpp"
+
+#include "pdx/base/error.hpp"
+#include "pdx/base/events.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace pdx::mpm {
+namespace {
+constexpr double kOnNode = 1e-9; // of a cell
+
+/// Numbers of cells begin where a point sees other nodes.
+double begin_of(Shape shape) { return shape == Shape::hat ? 0.0 : -0.5; }
+} // namespace
+
+template <int Dim>
+GridMotion<Dim>::GridMotion(MPI_Comm comm, const GridRule& rule, const Vector<Dim>& origin,
+                            std::vector<BodyMaterial> bodies, std::vector<std::vector<GridPoint<Dim>>> points)
+    : comm_(comm), rule_(rule), origin_(origin), bodies_(std::move(bodies)), push_(bodies_.size(), Vector<Dim>::Zero()),
+      point_mass_(std::numeric_limits<double>::infinity())
+{
+  for (const BodyMaterial& body : bodies_)
+    point_mass_ = std::min(point_mass_, body.elastic.density * point_volume<Dim>(body));
+  resume(std::move(points), 0.0);
+}
+
+template <int Dim>
+void GridMotion<Dim>::resume(std::vector<std::vector<GridPoint<Dim>>> points, double work, double time)
+{
+  time_ = time;
+  points_.clear();
+  for (auto& of_body : points) points_.emplace_back(begin_of(rule_.shape), std::move(of_body));
+  work_ = work;
+  lay_grid();
+}
+
+/// Nodes that points in any block see.
+template <int Dim> void GridMotion<Dim>::lay_grid()
+{
+  Site<Dim> lower, upper;
+  lower.fill(0);
+  upper.fill(0);
+  bool any = false;
+  for (const PointLanes<Dim>& points : points_) {
+    if (points.size() == 0) continue;
+    for (std::size_t d = 0; d < Dim; ++d) {
+      lower[d] = any ? std::min(lower[d], points.lowest()[d]) : points.lowest()[d];
+      upper[d] = any ? std::max(upper[d], points.highest()[d]) : points.highest()[d];
+    }
+    any = true;
+  }
+  for (std::size_t d = 0; d < Dim; ++d) {
+    --lower[d];
+    ++upper[d];
+  }
+  nodes_ = GridNodes<Dim>(comm_, lower, upper);
+}
+
+template <int Dim> void GridMotion<Dim>::give_all(const Giving& what)
+{
+  static Event event("mpm_give");
+  const Timed timed(event);
+  const NodeView<Dim>& view = nodes_.view();
+  std::vector<double*> lists;
+  if (what.momentum) {
+    lists.push_back(view.mass);
+    lists.insert(lists.end(), view.velocity.begin(), view.velocity.end());
+  }
+  if (what.force) lists.insert(lists.end(), view.pull.begin(), view.pull.end());
+  for (double* list : lists) nodes_.clear(list);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    give<Dim>(processor_, rule_, bodies_[b], what, push_[b], points_[b], view);
+  nodes_.add_up(lists);
+}
+
+template <int Dim> void GridMotion<Dim>::take_all(const Taking& what)
+{
+  static Event event("mpm_take");
+  const Timed timed(event);
+  const NodeView<Dim>& view = nodes_.view();
+  if (what.giving)
+    for (double* list : view.brought) nodes_.clear(list);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    work_ += push_[b].dot(take<Dim>(processor_, rule_, bodies_[b], what, points_[b], view));
+  if (what.giving) nodes_.add_up(view.brought);
+}
+
+template <int Dim> void GridMotion<Dim>::settle_velocity(bool momentum, bool force, double kick)
+{
+  const NodeView<Dim>& view = nodes_.view();
+  for (std::size_t d = 0; d < Dim; ++d)
+    settle_nodes(processor_, nodes_.mass(), point_mass_, kick, view.velocity[d], force ? view.pull[d] : nullptr,
+                 !momentum);
+}
+
+template <int Dim> void GridMotion<Dim>::hold_nodes(double time, double kick, bool force, bool brought)
+{
+  const NodeView<Dim>& view = nodes_.view();
+  if (force) hold_force_.assign(holds_.size(), 0.0);
+  for (std::size_t k = 0; k < holds_.size(); ++k) {
+    const GridHold<Dim>& hold = holds_[k];
+    const auto axis = static_cast<std::size_t>(hold.axis);
+    const double v = hold.velocity(time);
+    Site<Dim> from, to;
+    bool any = true;
+    for (std::size_t d = 0; d < Dim; ++d) {
+      const auto a = static_cast<Eigen::Index>(d);
+      const double low = std::ceil((hold.box.lower[a] - origin_[a]) / rule_.side - kOnNode),
+                   high = std::floor((hold.box.upper[a] - origin_[a]) / rule_.side + kOnNode);
+      from[d] = static_cast<Index>(std::max<double>(low, nodes_.lower()[d]));
+      to[d] = static_cast<Index>(std::min<double>(high, nodes_.upper()[d]));
+      any = any && low <= nodes_.upper()[d] && high >= nodes_.lower()[d] && from[d] <= to[d];
+    }
+    if (!any) continue;
+    for (Site<Dim> node = from;;) {
+      const std::size_t at = nodes_.number(node);
+      if (brought)
+        view.brought[axis][at] = v;
+      else {
+        if (force && view.mass[at] > 0.0) {
+          const double before = view.velocity[axis][at], change = v - before; // over the kick
+          if (nodes_.owned(at)) {
+            const double pull = view.mass[at] * change / kick;
+            hold_force_[k] += pull;
+            work_ += pull * v * kick;
+          }
+          view.pull[axis][at] += change / kick;
+        }
+        view.velocity[axis][at] = v;
+      }
+      std::size_t d = 0;
+      for (; d < Dim && ++node[d] > to[d]; ++d) node[d] = from[d];
+      if (d == Dim) break;
+    }
+  }
+}
+
+template <int Dim> void GridMotion<Dim>::step(double time, double length, double kick)
+{
+  const double end = time_ = time + length;
+  Taking strain{.strain = true, .step = length};
+  if (rule_.order == Order::usf) {
+    give_all({.momentum = true});
+    settle_velocity(true, false, 0.0);
+    hold_nodes(time, kick, false, false);
+    take_all(strain);
+    give_all({.force = true});
+    settle_velocity(false, true, kick);
+    hold_nodes(end, kick, true, false);
+    take_all({.velocity = true, .place = true, .step = length, .kick = kick});
+  } else {
+    give_all({.momentum = true, .force = true});
+    settle_velocity(true, true, kick);
+    hold_nodes(end, kick, true, false);
+    if (rule_.order == Order::usl)
+      take_all({.velocity = true, .strain = true, .place = true, .step = length, .kick = kick});
+    else {
+      take_all({.velocity = true, .giving = true, .place = !rule_.late, .step = length, .kick = kick});
+      for (double* list : nodes_.view().brought)
+        settle_nodes(processor_, nodes_.mass(), point_mass_, 0.0, list, nullptr);
+      hold_nodes(end, kick, false, true);
+      strain.brought = true;
+      strain.place = rule_.late;
+      take_all(strain);
+    }
+  }
+  regroup();
+}
+
+template <int Dim> std::vector<PointLanes<Dim>> GridMotion<Dim>::ended(double half)
+{
+  const std::vector<PointLanes<Dim>> before = points_;
+  const std::vector<double> forces = hold_force_;
+  const double work = work_, pic = std::exchange(rule_.pic, 0.0);
+  give_all({.momentum = true, .force = true});
+  settle_velocity(true, true, half);
+  hold_nodes(time_, half, true, false);
+  take_all({.velocity = true, .giving = true, .kick = half});
+  hold_force_ = forces;
+  work_ = work;
+  rule_.pic = pic;
+  return std::exchange(points_, before);
+}
+
+template <int Dim> void GridMotion<Dim>::regroup()
+{
+  static Event event("mpm_regroup");
+  const Timed timed(event);
+  int change = 0; // 1: blocks are others; 2: a point is lost
+  std::string why;
+  try {
+    for (PointLanes<Dim>& points : points_) change = points.regroup() ? change : 1;
+  } catch (const SolverFailure& failure) {
+    why = failure.what();
+    change = 2;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &change, 1, MPI_INT, MPI_MAX, comm_);
+  if (change == 2) throw SolverFailure(why.empty() ? "material points have left for nowhere" : why);
+  if (change == 1) lay_grid();
+}
+
+template <int Dim> PointEnergies GridMotion<Dim>::energies() const
+{
+  PointEnergies sums;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const PointEnergies of_body = energies_of<Dim>(processor_, bodies_[b], points_[b]);
+    sums.strain += of_body.strain;
+    sums.kinetic += of_body.kinetic;
+  }
+  return sums;
+}
+
+template <int Dim> std::vector<GridPoint<Dim>> GridMotion<Dim>::points(std::size_t body) const
+{
+  return points_[body].points();
+}
+
+template class GridMotion<2>;
+template class GridMotion<3>;
+} // namespace pdx::mpm
