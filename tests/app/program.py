@@ -19,11 +19,13 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
+import case_check
 import compare
 import fields
 
 AT_BORDER = re.compile(r"^warning: a crack came to \([^\n]*\n", re.MULTILINE)
 TIMEOUT = 120  # [s] longer is a hang
+ALONE = case_check.ALONE  # in front of a program on one rank
 # When one rank has ended with an error, mpirun waits a second before it ends the others. Where hundreds of mistakes are
 # tried it need not: what another rank says later is looked for in other tests.
 NO_WAIT = {"OMPI_MCA_odls_base_sigkill_timeout": "0", "PRTE_MCA_odls_base_sigkill_timeout": "0"}
@@ -103,7 +105,7 @@ def words_of(options):
 
 def launcher(ranks):
     """The words in front of a program that start it on so many ranks."""
-    return ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+    return ["mpirun", "-n", str(ranks)] if ranks > 1 else ALONE
 
 
 def without_launcher(said):
@@ -123,6 +125,10 @@ def finish(command, directory, timeout=TIMEOUT, more=None):
         except subprocess.TimeoutExpired:
             process.terminate()  # mpirun takes its ranks along
             return None, *process.communicate()
+
+
+SHARED_SCRATCH = tempfile.TemporaryDirectory()  # goes with the process
+SHARED = {}  # runs by options and ranks
 
 
 class ProgramTest(unittest.TestCase):
@@ -149,6 +155,13 @@ class ProgramTest(unittest.TestCase):
         said = AT_BORDER.sub("", run.err) if self.CRACKS_REACH_BORDERS else run.err
         self.assertEqual((run.status, said), (0, ""), f"{ranks} ranks; stdout: {run.out}")
         return run
+
+    def shared(self, options, ranks=1):
+        """As `solve`, but a scene that this or another test has run is not run again: nobody may write where it lies."""
+        key = (tuple(sorted((name, value) for name, value in options.items() if value is not None)), ranks)
+        if key not in SHARED:
+            SHARED[key] = self.solve(options, ranks, pathlib.Path(tempfile.mkdtemp(dir=SHARED_SCRATCH.name)))
+        return SHARED[key]
 
     def assert_same_displacement(self, a, b, tolerance=1e-9):
         """All blocks of two runs agree: largest difference over largest displacement. Points by natural number."""
