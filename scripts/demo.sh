@@ -3,8 +3,11 @@
 # of part I on two meshes, whose errors are printed beside the paper's: out/plate_static.png.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+echo "demo: 1 of 3, packages: compiler, PETSc, Open MPI, HDF5, Python to draw; no tests, no linters"
 scripts/setup.sh demo
+echo "demo: 2 of 3, building the program alone, $(nproc) files at a time; ninja counts them"
 scripts/build.sh release pdxsolve
+echo "demo: 3 of 3, a crack that branches, and a static plate on two meshes"
 # shellcheck source=scripts/mpi_env.sh
 . scripts/mpi_env.sh
 python=$(scripts/find_python.sh h5py numpy matplotlib PIL)

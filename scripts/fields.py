@@ -4,6 +4,8 @@ import json
 import pathlib
 import sys
 
+import right_python  # noqa: F401  (goes on under another python3 where this one lacks the modules below)
+
 try:
     import h5py
     import numpy as np

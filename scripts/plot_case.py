@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Draws the last step of one or more runs.
+"""Draws the last step of one or more runs: elements, particles or both, clouds, material points, solids seen along z.
 
-usage: plot_case.py OUT_DIR [...] -o picture.png [--kind plate|crack|energy|ranks] [--scale S] [--error linear|log]
+usage: plot_case.py OUT_DIR [...] -o picture.png [--kind plate|crack|damage|energy|ranks] [--scale S] [--error linear|log]
   plate   a row per run: the deformed plate coloured by |u|, and the error against the reference [XPD1 Fig. 5]
   crack   the deformed mesh, elements that a crack cuts and particles in colours of their own [XPD1 Fig. 11]
+  damage  share of the broken bonds of each particle, elements pale
   energy  strain energy density of the particles
   ranks   mesh and particles coloured by the rank that owns them
 """
@@ -23,7 +24,7 @@ from matplotlib.ticker import LogFormatterSciNotation  # noqa: E402
 STYLE = {"font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 9, "axes.titlesize": 9,
          "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6, "xtick.direction": "out",
          "savefig.dpi": 200, "savefig.bbox": "tight", "savefig.pad_inches": 0.04, "savefig.facecolor": "white"}
-DISPLACEMENT_COLOURS, ERROR_COLOURS, ENERGY_COLOURS = "viridis", "magma_r", "cividis"
+DISPLACEMENT_COLOURS, ERROR_COLOURS, ENERGY_COLOURS, DAMAGE_COLOURS = "viridis", "magma_r", "cividis", "YlOrRd"
 RANK_COLOURS = ["#4477aa", "#ee6677", "#ccbb44", "#228833", "#66ccee", "#aa3377", "#bbbbbb", "#997700"]
 PANEL = 2.9  # [inch]
 PLAIN_COLOUR, CUT_COLOUR, PARTICLE_COLOUR = "white", "#f2d13c", "#2f6fb3"
@@ -33,6 +34,18 @@ COMMON_SCALE = 3.0  # runs share a colour scale if their maxima differ by less t
 PREFIXES = [(1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")]
 
 
+class NoElements:
+    """Stands for the mesh of a body without elements."""
+
+    points, cells = np.zeros((0, 3)), np.zeros((0, 4), int)
+
+    def __contains__(self, name):
+        return name in ("displacement", "rank")
+
+    def __getitem__(self, name):
+        return np.zeros((0, 3) if name == "displacement" else 0)
+
+
 class Run:
     """One run, ready to draw: lengths already in the unit of the axes."""
 
@@ -40,12 +53,14 @@ class Run:
         self.directory = directory
         self.summary = fields.read_summary(directory)
         _, blocks = fields.read_step(directory)
-        if "mesh" not in blocks:
-            sys.exit(f"plot_case.py: {directory} has no block 'mesh'")
-        self.mesh, self.particles, self.cut = blocks["mesh"], blocks.get("particles"), blocks.get("cut_cells")
+        self.mesh, self.cut = blocks.get("mesh", NoElements()), blocks.get("cut_cells")
+        self.particles = next((blocks[name] for name in ("particles", "points") if name in blocks), None)
+        if not self.particles and not len(self.mesh.cells):
+            sys.exit(f"plot_case.py: {directory} has neither elements nor particles")
         use = self.mesh["use"] if "use" in self.mesh else np.zeros(len(self.mesh.cells))
         self.plain, self.covered = self.mesh.cells[use == PLAIN], self.mesh.cells[use == COVERED]
-        self.extent = np.ptp(self.mesh.points[:, :2], axis=0).max()
+        bodies = [block.points[:, :2] for block in (self.mesh, self.particles) if block]
+        self.extent = np.ptp(np.vstack(bodies), axis=0).max()
         self.metre, self.unit = (1e3, "mm") if self.extent < 0.5 else (1.0, "m")
 
     def largest(self, name):
@@ -62,7 +77,12 @@ class Run:
         if not self.particles or len(self.particles.points) < 2:
             return 0.0
         gaps = np.diff(np.unique(np.round(self.particles.points[:, 0] / self.extent, 9)))
-        return gaps.min() * self.extent if gaps.size else 0.0
+        if not gaps.size:
+            return 0.0
+        area = np.prod(np.ptp(self.particles.points[:, :2], axis=0))
+        layers = len(np.unique(np.round(self.particles.points[:, 2] / self.extent, 9)))
+        even = np.sqrt(area * layers / len(self.particles.points))  # where they lie anywhere, a gap may be very small
+        return max(gaps.min() * self.extent, 0.5 * even)
 
     def label(self):
         if not self.spacing():
@@ -96,6 +116,13 @@ def moved(run, block, scale):
     """Points of a block in the unit of the axes, displacements magnified."""
     x = block.points[:, :2] + (scale * block["displacement"][:, :2] if scale else 0.0)
     return x * run.metre
+
+
+def extent_of(run, scale):
+    """All that is drawn of a run, for the limits of axes."""
+    parts = [moved(run, run.mesh, scale)[np.unique(run.plain)]]
+    parts += [moved(run, block, scale) for block in (run.particles, run.cut) if block]
+    return np.vstack(parts)
 
 
 def triangles(cells):
@@ -168,10 +195,11 @@ def draw_displacement(axes, run, scale, norm):
     norm = Normalize(0.0, factor * norm.vmax)
     look = {"cmap": DISPLACEMENT_COLOURS, "norm": norm}
     x = moved(run, run.mesh, scale)
-    set_limits(axes, x[np.unique(run.plain)])
-    surface = axes.tripcolor(x[:, 0], x[:, 1], triangles(run.plain), factor * magnitude(run.mesh), shading="gouraud",
-                             rasterized=True, **look)
-    draw_edges(axes, x, run.plain)
+    set_limits(axes, extent_of(run, scale))
+    if len(run.plain):
+        axes.tripcolor(x[:, 0], x[:, 1], triangles(run.plain), factor * magnitude(run.mesh), shading="gouraud",
+                       rasterized=True, **look)
+        draw_edges(axes, x, run.plain)
     if run.cut:
         x = moved(run, run.cut, scale)
         axes.tripcolor(x[:, 0], x[:, 1], triangles(run.cut.cells), factor * magnitude(run.cut), shading="gouraud",
@@ -182,7 +210,7 @@ def draw_displacement(axes, run, scale, norm):
         draw_particles(axes, run, x, factor * magnitude(run.particles), **look)
         draw_dots(axes, run, x)
     prepare(axes, run, f"{run.label()}, deformation × {scale:g}")
-    colour_bar(axes, surface, rf"$|\,\mathbf{{u}}\,|$ [{unit}]")
+    colour_bar(axes, plt.cm.ScalarMappable(**look), rf"$|\,\mathbf{{u}}\,|$ [{unit}]")
 
 
 def error_norms(runs, colours):
@@ -237,7 +265,7 @@ def crack(runs, options):
     for axes, run in zip(grid[0], runs):
         scale = options.scale or magnification(run)
         x = moved(run, run.mesh, scale)
-        set_limits(axes, x[np.unique(run.plain)])
+        set_limits(axes, extent_of(run, scale))
         draw_cells(axes, x, run.plain, PLAIN_COLOUR)
         if run.cut:
             draw_cells(axes, moved(run, run.cut, scale), run.cut.cells, CUT_COLOUR)
@@ -246,6 +274,25 @@ def crack(runs, options):
             gap = 72.0 * PANEL * run.spacing() / run.extent  # between particles, on paper [pt]
             axes.scatter(x[:, 0], x[:, 1], s=(0.8 * gap) ** 2, c=PARTICLE_COLOUR, linewidths=0, rasterized=True)
         prepare(axes, run, f"{run.label()}, deformation × {scale:g}")
+    return figure
+
+
+def damage(runs, options):
+    for run in runs:
+        if not run.particles or "damage" not in run.particles:
+            sys.exit(f"plot_case.py: {run.directory} has no particles with a damage: nothing in it breaks")
+    figure, grid = panels(1, len(runs))
+    largest = max(run.particles["damage"].max() for run in runs) or 1.0
+    for axes, run in zip(grid[0], runs):
+        scale = options.scale  # as given; none: bodies as they were
+        set_limits(axes, extent_of(run, scale))
+        if len(run.plain):
+            draw_edges(axes, moved(run, run.mesh, scale), run.plain, colors="0.6", linewidths=0.3)
+        order = np.argsort(run.particles["damage"])  # of a solid the most damaged layer is seen
+        squares = draw_particles(axes, run, moved(run, run.particles, scale)[order], run.particles["damage"][order],
+                                 cmap=DAMAGE_COLOURS, norm=Normalize(0.0, largest))
+        prepare(axes, run, run.label())
+        colour_bar(axes, squares, "damage [-]")
     return figure
 
 
@@ -260,7 +307,8 @@ def energy(runs, _options):
     for axes, run, density in zip(grid[0], runs, values):
         x = moved(run, run.particles, 0.0)
         set_limits(axes, x)
-        draw_edges(axes, moved(run, run.mesh, 0.0), run.plain, colors="0.6", linewidths=0.3)
+        if len(run.plain):
+            draw_edges(axes, moved(run, run.mesh, 0.0), run.plain, colors="0.6", linewidths=0.3)
         squares = draw_particles(axes, run, x, factor * density, cmap=ENERGY_COLOURS, norm=Normalize(lowest, highest))
         prepare(axes, run, run.label())
         colour_bar(axes, squares, f"strain energy density [{letter}J/m³]")
@@ -277,14 +325,14 @@ def energy_unit(largest):
 def ranks(runs, _options):
     figure, grid = panels(1, len(runs))
     for axes, run in zip(grid[0], runs):
-        count = int(max([run.mesh["rank"].max()] + ([run.particles["rank"].max()] if run.particles else []))) + 1
+        count = int(max(block["rank"].max() for block in (run.mesh, run.particles) if block and len(block["rank"]))) + 1
         colours = ListedColormap([RANK_COLOURS[i % len(RANK_COLOURS)] for i in range(count)])
         look = {"cmap": colours, "norm": BoundaryNorm(np.arange(count + 1) - 0.5, count)}
         x = moved(run, run.mesh, 0.0)
+        set_limits(axes, extent_of(run, 0.0))
         plain = run.mesh["use"] == PLAIN if "use" in run.mesh else np.ones(len(run.mesh.cells), bool)
         cells = PolyCollection(x[run.plain], array=run.mesh["rank"][plain], edgecolors="white", linewidths=0.1,
                                alpha=0.6, rasterized=True, **look)
-        set_limits(axes, x)
         axes.add_collection(cells)
         if run.particles:
             draw_particles(axes, run, moved(run, run.particles, 0.0), run.particles["rank"], **look)
@@ -306,7 +354,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("runs", nargs="+", metavar="OUT_DIR")
     parser.add_argument("-o", "--output", required=True, help="picture to write (.png, .pdf, .svg)")
-    parser.add_argument("--kind", choices=["plate", "crack", "energy", "ranks"], default="plate")
+    parser.add_argument("--kind", choices=["plate", "crack", "damage", "energy", "ranks"], default="plate")
     parser.add_argument("--scale", type=float, default=0.0, help="magnification of displacements (default: chosen)")
     parser.add_argument("--error", choices=["auto", "linear", "log"], default="auto", help="colours of the error map")
     options = parser.parse_args()
@@ -315,7 +363,7 @@ def main():
     except (OSError, IndexError) as error:
         sys.exit(f"plot_case.py: cannot read the runs: {error}")
     with plt.rc_context(STYLE):
-        figure = {"plate": plate, "crack": crack, "energy": energy, "ranks": ranks}[options.kind](runs, options)
+        figure = {"plate": plate, "crack": crack, "damage": damage, "energy": energy, "ranks": ranks}[options.kind](runs, options)
         figure.savefig(options.output)
     print(f"wrote {options.output}")
 

@@ -67,13 +67,36 @@ fi
 
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
+# Shows how far apt-get is: a line for every 25 packages that it fetched, unpacked or set up, of so many in all.
+progress() {
+  local all=$1 line word
+  local -A count=()
+  while IFS= read -r line; do
+    echo "$line" >>"$log"
+    case $line in
+      Get:*) word=fetched ;;
+      Unpacking*) word=unpacked ;;
+      "Setting up"*) word="set up" ;;
+      *) continue ;;
+    esac
+    count[$word]=$((${count[$word]:-0} + 1))
+    if [ "$all" -gt 0 ] && { [ $((${count[$word]} % 25)) -eq 0 ] || [ "${count[$word]}" -eq "$all" ]; }; then
+      echo "setup: ${count[$word]} of $all $word"
+    fi
+  done
+}
 apt() {
-  if ! "${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get "$@" >"$log" 2>&1; then
+  local all=0
+  : >"$log"
+  if [ "$1" = install ]; then all=$("${as_root[@]}" apt-get -s "$@" 2>/dev/null | grep -c '^Inst' || true); fi
+  if ! "${as_root[@]}" DEBIAN_FRONTEND=noninteractive apt-get "$@" 2>&1 | progress "$all"; then
     tail -n 20 "$log" >&2
     echo "setup: apt-get failed (its last lines are above)" >&2
     exit 1
   fi
 }
+echo "setup: $((${#missing[@]} + ${#wanted[@]})) packages are not here: ${missing[*]} ${wanted[*]}"
+echo "setup: asking apt where they are"
 apt update -q
 mapfile -t found < <(known_of "${wanted[@]}")
 [ ${#found[@]} -eq ${#wanted[@]} ] || echo "setup: this release has not all of: ${wanted[*]} (only style checks need them)"

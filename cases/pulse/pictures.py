@@ -8,9 +8,9 @@ usage: pictures.py [--out out/pulse]
 import argparse
 import pathlib
 
+import waves  # before the next: it finds the python that has them
 import matplotlib
 import numpy as np
-import waves
 from waves import fields
 
 matplotlib.use("Agg")

@@ -29,7 +29,9 @@ class Check(case_check.Check):
 
     def __init__(self, executable, scratch):
         super().__init__(executable, scratch)
-        self.large = self.run("smoke", 1)
+        tracker = ["-adapt_tracker", "laplacian"]
+        self.large_fine, self.large, self.small, self.tracked, self.fine_one = self.run_at_once(
+            ("case", 1), ("smoke", 1), ("smoke_snail", 1), ("smoke_snail", 1, tracker, "laplacian"), ("snail", 1))  # fmt: skip
 
     @staticmethod
     def path(run):
@@ -64,7 +66,7 @@ class Check(case_check.Check):
         self.expect(summary["unknowns"]["enriched"] > 0, f"{name}: elements carry the crack behind the tip")
 
     def snail(self):
-        runs = [self.run("smoke_snail", ranks) for ranks in (1, 2)]
+        runs = [self.small, self.run("smoke_snail", 2)]
         if not self.large or None in runs:
             return
         self.same("snail", runs[0][0])
@@ -74,14 +76,12 @@ class Check(case_check.Check):
 
     def fine(self):
         """Four spacings in an element, where the crack runs along a line of the mesh."""
-        large, run = self.run("case", 1), self.run("snail", 1)
-        if large and run:
-            self.same("fine", run[0], large[0])
+        if self.large_fine and self.fine_one:
+            self.same("fine", self.fine_one[0], self.large_fine[0])
 
     def laplacian(self):
-        run = self.run("smoke_snail", 1, ["-adapt_tracker", "laplacian"], "laplacian")
-        if self.large and run:
-            self.same("laplacian", run[0])
+        if self.large and self.tracked:
+            self.same("laplacian", self.tracked[0])
 
 
 if __name__ == "__main__":

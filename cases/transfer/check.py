@@ -27,10 +27,8 @@ class Check(case_check.Check):
     case = "transfer"
 
     def runs(self, scene, ratio, kinds, ranks=1):
-        done = {}
-        for kind in kinds:
-            options = transfer.options(scene, ratio, kind)
-            done[kind] = self.run(scene, ranks, options, f"{scene}_{ratio}_{kind}_{ranks}")
+        wanted = [(scene, ranks, transfer.options(scene, ratio, kind), f"{scene}_{ratio}_{kind}_{ranks}") for kind in kinds]
+        done = dict(zip(kinds, self.run_at_once(*wanted) if ranks == 1 else [self.run(*one) for one in wanted]))
         return None if None in done.values() else {kind: directory for kind, (directory, _) in done.items()}
 
     def scene(self, scene, ratio):

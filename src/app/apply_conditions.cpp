@@ -77,15 +77,21 @@ private:
     }
   }
 
-  std::vector<mesh::BoundaryEdge> edges_of(const BoundaryCondition& c) const
+  const std::vector<mesh::BoundaryEdge>& side_of(const BoundaryCondition& c) const
   {
     require_sides(c);
     const auto* edges = mesh_.boundary(c.of.empty() ? c.on : c.of + ":" + c.on);
     if (!edges)
       throw UserError(fmt::format("-bc_{}_on is {}: the mesh has no such boundary; it has {}", c.name, c.on,
                                   fmt::join(mesh_.boundary_names(), ", ")));
+    return *edges;
+  }
+
+  /// Those that lie in its box wholly.
+  std::vector<mesh::BoundaryEdge> edges_of(const BoundaryCondition& c) const
+  {
     std::vector<mesh::BoundaryEdge> kept;
-    for (const mesh::BoundaryEdge& e : *edges)
+    for (const mesh::BoundaryEdge& e : side_of(c))
       if (!c.box || (inside(c, mesh_.point(e.vertices[0])) && inside(c, mesh_.point(e.vertices[1])))) kept.push_back(e);
     return kept;
   }
@@ -149,10 +155,10 @@ private:
   {
     std::set<Index> rows;
     if (!c.on.empty() && !c.layer) {
-      const auto edges = edges_of(c);
-      for (const mesh::BoundaryEdge& e : edges)
-        for (const Index v : e.vertices) add_node(v, c, acts, rows);
-      for (const CoveredEdge& e : covered_edges(edges))
+      for (const mesh::BoundaryEdge& e : side_of(c))
+        for (const Index v : e.vertices)
+          if (inside(c, mesh_.point(v))) add_node(v, c, acts, rows);
+      for (const CoveredEdge& e : covered_edges(edges_of(c)))
         for (const Index row : particles_under(e, c.rows)) rows.insert(row);
     } else {
       for (std::size_t k = 0; k < d_.nodes.size(); ++k)
@@ -162,7 +168,11 @@ private:
           rows.insert(d_.system.rows.first_particle() + static_cast<Index>(k));
     }
     if (!any_rank(mesh_.comm(), !rows.empty()))
-      throw UserError(fmt::format("-bc_{}_{}: no node and no particle lies there", c.name, c.box ? "box" : "on"));
+      throw UserError(fmt::format("-bc_{}_{}: no node and no particle lies there{}", c.name, c.box ? "box" : "on",
+                                  !c.box || c.on.empty() ? ""
+                                                         : fmt::format(": it chooses nodes of {}, and of particles "
+                                                                       "those under whole element edges of it",
+                                                                       c.on)));
     return rows;
   }
 

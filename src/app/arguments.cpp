@@ -26,8 +26,8 @@ bool skips_resource_files(std::span<const std::string> words)
   return at + 1 == words.end() || (at[1] != "false" && at[1] != "0" && at[1] != "no" && at[1] != "off");
 }
 
-/// All that the first rank reads, as fields that end with a NUL, which none of them holds: help, version, error, then
-/// name, value and place of each option.
+/// All that the first rank reads, as fields that end with a NUL, which none of them holds: help, JSON, words, version,
+/// error, then name, value and place of each option.
 std::string read_all(int argc, char** argv)
 {
   OptionReader reader;
@@ -46,6 +46,8 @@ std::string read_all(int argc, char** argv)
   }
   const auto add = [&](const std::string& field) { fields.append(field).push_back('\0'); };
   add(reader.help ? "help" : "");
+  add(reader.json ? "json" : "");
+  add(reader.help_words);
   add(reader.version ? "version" : "");
   add(error);
   for (const GivenOption& option : options) add(option.name), add(option.value), add(option.place);
@@ -72,6 +74,8 @@ Arguments read_arguments(MPI_Comm comm, int argc, char** argv)
   };
   Arguments arguments;
   arguments.help = !next().empty();
+  arguments.json = !next().empty();
+  arguments.help_words = next();
   arguments.version = !next().empty();
   arguments.error = next();
   while (at < fields.size()) {

@@ -1,4 +1,5 @@
 #include "pdx/app/arguments.hpp"
+#include "pdx/app/help.hpp"
 #include "pdx/app/last_words.hpp"
 #include "pdx/app/run.hpp"
 #include "pdx/base/given_options.hpp"
@@ -87,7 +88,9 @@ void tell(const pdx::app::Arguments& arguments)
 {
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  const std::string text = arguments.help ? pdx::app::help_text() : pdx::app::version_text();
+  const std::string text = !arguments.help  ? pdx::app::version_text()
+                           : arguments.json ? pdx::app::help_json()
+                                            : pdx::app::help_text(arguments.help_words);
   if (rank == 0) std::fputs(text.c_str(), stdout);
 }
 

@@ -138,13 +138,17 @@ void OptionReader::read_words(Words words, const std::string& place)
   }
 }
 
-/// -help and -version have no value.
+/// -help may have words to look for, or -json behind it; -version has no value.
 bool OptionReader::take_flag(const std::string& name, Words values, const std::string& place)
 {
   const bool asks = name == "-help" || name == "--help" || name == "-h";
   const bool shows = name == "-version" || name == "--version" || name == "-v";
+  if (help && name == "-json" && values.empty()) return json = true;
   if (!asks && !shows) return false;
-  if (!values.empty()) refuse(place, fmt::format("\"{}\" is one word too many after {}", shown(values[0].text), name));
+  for (const OptionWord& word : values)
+    if (asks) help_words += (help_words.empty() ? "" : " ") + word.text;
+  if (!values.empty() && shows)
+    refuse(place, fmt::format("\"{}\" is one word too many after {}", shown(values[0].text), name));
   help = help || asks;
   version = version || shows;
   return true;

@@ -1,6 +1,8 @@
 #include "pdx/app/recorder.hpp"
 
 #include "pdx/app/crack_results.hpp"
+#include "pdx/app/run_record.hpp"
+#include "pdx/app/scene_warnings.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -99,6 +101,20 @@ void Recorder::write_fields(const solve::Step& step, Vec u, const post::Displace
   files_.write_fields(step.load, u, relative);
 }
 
+std::string Recorder::said_so_far(const solve::StaticReport& report) const
+{
+  std::string text = fmt::format("{} linear iterations so far", report.linear_iterations);
+  if (report.halvings > 0) text += fmt::format(", {} attempts given up", report.halvings);
+  return files_.grows() ? fmt::format("{} bonds broken, {}", d_->fracture->broken(), text) : text;
+}
+
+void Recorder::working(const solve::StaticReport& report, double load)
+{
+  const int steps = options_.load.steps;
+  files_.progress.step(static_cast<int>(load_ * steps + 1e-9), steps,
+                       fmt::format("load {:.6g} being worked at, {}", load, said_so_far(report)));
+}
+
 void Recorder::accept(const solve::Step& step, Vec u, const solve::StaticDriver& driver, const Prior& prior)
 {
   const double begin = MPI_Wtime();
@@ -115,12 +131,13 @@ void Recorder::accept(const solve::Step& step, Vec u, const solve::StaticDriver&
   const bool due = last || step.number % options_.output.interval == 0;
   fields_due_ = due ? std::nullopt : std::optional(step);
   if (files_.fields && due) write_fields(step, u, error ? &*error : nullptr);
+  files_.look_at_probes(step.number, step.load, u, last);
   if (files_.grows()) files_.summary.bonds_broken = d_->fracture->broken();
   if (last) write_results(u, prior, error ? &*error : nullptr);
   files_.summary.wall_seconds.output += MPI_Wtime() - begin;
   files_.summary.steps = step.number;
-  std::string text = fmt::format("{} linear iterations so far", driver.report().linear_iterations);
-  if (files_.grows()) text = fmt::format("{} passes, {} bonds broken, {}", step.passes, d_->fracture->broken(), text);
+  std::string text = said_so_far(driver.report());
+  if (files_.grows()) text = fmt::format("{} passes, {}", step.passes, text);
   if (driver.report().halvings > 0) text = fmt::format("load {:.6g}, {}", step.load, text);
   files_.progress.step(static_cast<int>(step.load * options_.load.steps + 1e-9), options_.load.steps, text);
 }
@@ -190,6 +207,8 @@ void Recorder::count(const solve::StaticReport& report)
 void Recorder::finish(const solve::StaticReport& report)
 {
   count(report);
+  files_.warn(size_warning(options_, files_.summary.results.at("max_displacement_component").get<double>(),
+                           files_.scene.mesh->bounds()));
   files_.write_summary("done");
   print_phases(report);
 }
@@ -214,5 +233,6 @@ void Recorder::print_phases(const solve::StaticReport& report)
   if (const auto error = files_.summary.results.find("max_relative_error_percent");
       error != files_.summary.results.end())
     files_.progress.line(fmt::format("largest difference to elements only (Eq. 28): {:.4g} %", error->get<double>()));
+  files_.progress.line(citation_line(options_));
 }
 } // namespace pdx::app

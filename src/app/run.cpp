@@ -3,6 +3,7 @@
 
 #include "pdx/app/run_in_time.hpp"
 #include "pdx/app/run_static.hpp"
+#include "pdx/app/scene_warnings.hpp"
 #include "pdx/app/settle.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/memory.hpp"
@@ -10,7 +11,6 @@
 #include "pdx/base/petsc_names.hpp"
 #include "pdx/base/stop_signals.hpp"
 
-#include <fmt/format.h>
 #include <new>
 
 namespace pdx::app {
@@ -43,8 +43,10 @@ void run(MPI_Comm comm, double begin)
   refuse_reference_options(options);
   if (!options.time.dynamic()) (void)wants_assembled(options); // refuses before anything is built
   if (options.pd.cloud.empty() && !options.points.any()) settle(comm, options);
+  if (options.output.dry_run) options.pd.skip_tolerance = -1.0; // what rests now will move
   RunFiles files(comm, options, begin);
-  for (const std::string& warning : options.warnings) files.warn(warning);
+  for (const auto& warnings : {options.warnings, option_warnings(options)})
+    for (const std::string& warning : warnings) files.warn(warning);
   for (const std::string& note : options.notes) files.progress.line(note);
   try {
     if (options.mixed())
@@ -76,23 +78,5 @@ void run(MPI_Comm comm, double begin)
     files.lost(failure.what());
     throw;
   }
-}
-
-std::string help_text()
-{
-  (void)SceneOptions::read(true);
-  std::string text = fmt::format("pdxsolve {}: brittle fracture with elements and peridynamics\n"
-                                 "mpirun -n N pdxsolve -options_file case.opts [any PETSc option]\n",
-                                 PDX_VERSION);
-  std::string room;
-  for (const OptionDoc& doc : documented_options()) {
-    if (doc.room != room) text += fmt::format("\n{}\n", room = doc.room);
-    text += fmt::format("  {:<28} {}{}\n{:31}default {}; {}\n", doc.name, doc.help,
-                        doc.unit.empty() ? "" : " [" + doc.unit + "]", "", doc.default_value, doc.allowed);
-  }
-  text += "\nCrack faces and parts of a mesh do not touch: there is contact between bodies of a scene with -mpm_bodies "
-          "only, all else passes through what it meets.\n";
-  return text +
-         "\nSolver options are PETSc's: -snes_..., -ksp_..., -pc_..., -mg_levels_..., -mg_coarse_..., -log_view.\n";
 }
 } // namespace pdx::app

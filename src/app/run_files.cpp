@@ -4,6 +4,8 @@
 #include "pdx/app/last_words.hpp"
 #include "pdx/app/output_blocks.hpp"
 #include "pdx/app/point_body.hpp"
+#include "pdx/app/run_record.hpp"
+#include "pdx/app/scene_warnings.hpp"
 #include "pdx/app/seeds.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/base/given_options.hpp"
@@ -11,6 +13,7 @@
 #include "pdx/base/shown.hpp"
 #include "pdx/io/agree.hpp"
 #include "pdx/io/earlier_files.hpp"
+#include "pdx/io/provenance.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -31,12 +34,16 @@ void refuse_own_inputs(const std::string& directory)
 } // namespace
 
 RunFiles::RunFiles(MPI_Comm comm, const SceneOptions& given, double begin)
-    : options(given), progress(comm, given.output.quiet), comm_(comm), begin_(begin)
+    : options(given), progress(comm, given.output.quiet), comm_(comm), begin_(begin),
+      probes_(given.probes, given.output.directory,
+              given.time.dynamic() ? io::Column{"time", "s"} : io::Column{"load", "-"})
 {
   summary.case_name = options.case_name;
+  summary.hosts = io::host_count(comm);
   io::create_directory(comm, options.output.directory);
   lock_ = std::make_unique<io::RunLock>(comm, options.output.directory);
-  refuse_own_inputs(options.output.directory);
+  const std::filesystem::path place = options.output.directory;
+  refuse_own_inputs(options.output.dry_run ? place.parent_path().string() : place.string());
 }
 
 Standing::Standing(mesh::Mesh* background, const Solid* space) : mesh(background), solid(space), model(space) {}
@@ -49,6 +56,7 @@ Standing::Standing(mesh::Mesh* background, const PointModel* material_points)
 void RunFiles::take_scene(const Standing& standing)
 {
   scene = standing;
+  probes_.forget_hosts();
   const field::Rows& rows = scene.model->system.rows;
   std::int64_t counts[4] = {rows.nodes, rows.enriched, rows.particles, 0};
   for (std::int64_t& count : counts) count *= rows.dim;
@@ -87,6 +95,8 @@ void RunFiles::built(const Standing& standing)
                         unknowns.pd);
   progress.line(fmt::format("{}: {} unknowns ({}), partition cut {} imbalance {:.2f}", options.case_name,
                             elements + unknowns.pd, whose, scene.mesh->quality().cut, scene.mesh->quality().imbalance));
+  if (const std::string bonds = bonds_line(comm_, options, standing); !bonds.empty()) progress.line(bonds);
+  if (standing.plan) warn(row_warning(options, *standing.plan));
   report_cracks();
   if (options.pd.seeded) summary.results["seeded_patches"] = given_boxes(options);
 }
@@ -152,6 +162,7 @@ void RunFiles::started()
     fields = std::make_unique<io::FieldsFile>(comm_, options.output.directory, kept);
     if (kept && fields->fresh()) warn("fields.h5 was cut off while it was written: put aside as fields_before.h5");
   }
+  write_record(comm_, options);
   summary.wall_seconds.setup = MPI_Wtime() - begin_;
   summary.memory_mb["before_solve"] = io::resident_memory_mb();
 }
@@ -178,28 +189,56 @@ std::vector<double> RunFiles::reactions(std::span<const double> force) const
   return sums;
 }
 
+/// Counted from the body's corner.
+std::vector<field::OutputBlock> RunFiles::blocks(Vec u, const std::vector<double>& relative_percent)
+{
+  if (scene.points) return scene.points->blocks(u, velocity);
+  if (scene.cloud) return cloud_blocks(options, *scene.cloud, u, velocity);
+  if (scene.solid) return solid_blocks(options, *scene.solid, u);
+  std::vector<field::OutputBlock> all = output_blocks(*scene.mesh, options, *scene.d, u, relative_percent);
+  if (scene.d->bodies && scene.d->bonds) add_velocity(*scene.d, velocity, all);
+  if (!scene.d->points) return all;
+  std::vector<double> local, v;
+  scene.d->system.halo->gather(u, local);
+  scene.d->system.halo->fetch(velocity, 2, v);
+  all.push_back(scene.d->point_fields(*scene.mesh, local, v));
+  return all;
+}
+
 void RunFiles::write_fields(double time, Vec u, const std::vector<double>& relative_percent)
 {
-  std::vector<field::OutputBlock> blocks;
-  if (scene.points)
-    blocks = scene.points->blocks(u, velocity);
-  else if (scene.cloud)
-    blocks = cloud_blocks(options, *scene.cloud, u, velocity);
-  else if (scene.solid)
-    blocks = solid_blocks(options, *scene.solid, u);
-  else
-    blocks = output_blocks(*scene.mesh, options, *scene.d, u, relative_percent);
-  if (scene.d && scene.d->bodies && scene.d->bonds) add_velocity(*scene.d, velocity, blocks);
-  if (scene.d && scene.d->points) {
-    std::vector<double> local, v;
-    scene.d->system.halo->gather(u, local);
-    scene.d->system.halo->fetch(velocity, 2, v);
-    blocks.push_back(scene.d->point_fields(*scene.mesh, local, v));
-  }
+  std::vector<field::OutputBlock> all = blocks(u, relative_percent);
   const Vector<3>& origin = options.frame.origin();
-  for (field::OutputBlock& block : blocks)
+  for (field::OutputBlock& block : all)
     for (std::size_t k = 0; k < block.points.size(); ++k) block.points[k] += origin[static_cast<Eigen::Index>(k % 3)];
-  fields->write(time, blocks);
+  fields->write(time, all);
+}
+
+Probed RunFiles::probed(Vec u)
+{
+  const PdOptions& pd = options.pd;
+  const double spacing = pd.cloud.empty() && pd.any() && pd.spacing.size() == 1 ? pd.spacing[0] : 0.0;
+  double reach = pd.cloud.empty() ? 0.0 : pd.horizon;
+  for (const double dx : pd.spacing) reach = std::max(reach, dx);
+  for (const PointBodyOptions& body : options.points.bodies) reach = std::max(reach, body.spacing);
+  return {comm_, options.frame, static_cast<int>(scene.model->system.rows.dim), spacing, reach, [this, u](bool moving) {
+            const std::vector<double> none(static_cast<std::size_t>(scene.mesh->owned_vertices()), 0.0);
+            if (!moving) return blocks(u, none);
+            const VecHandle v = scene.model->system.rows.vector();
+            if (!velocity.empty()) field::set_owned_values(v.get(), velocity);
+            return blocks(v.get(), none);
+          }};
+}
+
+void RunFiles::begin_probes(int step, double time, Vec u)
+{
+  if (!options.probes.empty())
+    probes_.begin(probed(u), step, time, continued.here ? std::optional<double>(continued.step) : std::nullopt);
+}
+
+void RunFiles::look_at_probes(int step, double time, Vec u, bool all)
+{
+  if (probes_.due(step, all)) probes_.look(probed(u), step, time, all);
 }
 
 void RunFiles::told_if_refused(const std::function<void()>& act)
@@ -236,7 +275,7 @@ void RunFiles::after_failure(const std::function<void()>& write) const
   try {
     write();
   } catch (const MachineFailure& failure) {
-    warn(failure.what());
+    say_warning(failure.what());
   }
 }
 
@@ -249,12 +288,20 @@ void RunFiles::stop(const std::string& why)
   if (rank == 0) fmt::print("{}\n", why);
 }
 
-void RunFiles::warn(const std::string& what) const
+void RunFiles::say_warning(const std::string& what) const
 {
-  if (what.empty()) return;
   int rank = 0;
   MPI_Comm_rank(comm_, &rank);
   if (rank == 0) fmt::print(stderr, "warning: {}\n", as_one_line(what));
+}
+
+void RunFiles::warn(const std::string& what)
+{
+  if (what.empty()) return;
+  if (!options.output.warnings_are_errors) return say_warning(what);
+  const std::string error = what + " (-warnings_are_errors)";
+  if (room_made_) fail(error); // else nothing has been written yet
+  throw UserError(error);
 }
 
 std::filesystem::path RunFiles::summary_path() const
@@ -267,6 +314,7 @@ void RunFiles::write_summary(const char* status)
   make_room();
   if (history) history->close();
   if (fields) fields->close();
+  probes_.close();
   summary.status = status;
   summary.events = io::gather_event_counts(comm_);
   summary.wall_seconds.total = MPI_Wtime() - begin_;

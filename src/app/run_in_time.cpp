@@ -3,6 +3,7 @@
 #include "pdx/adapt/energy_trial.hpp"
 #include "pdx/adapt/hand_back.hpp"
 #include "pdx/app/checkpoints.hpp"
+#include "pdx/app/dry_run.hpp"
 #include "pdx/app/load_balance.hpp"
 #include "pdx/app/patch_mover.hpp"
 #include "pdx/base/events.hpp"
@@ -43,6 +44,7 @@ public:
     recorder_.built(scene_->standing());
     if (checkpoints_) checkpoints_->begin(files_.scene, layout_, *driver_, recorder_);
     recorder_.started(*driver_, limits_);
+    if (files_.options.output.dry_run) return try_steps();
     if (goes_on() && change_due()) change(); // a checkpoint is written before
     while (step() == Verdict::relayout) change();
     if (checkpoints_ && !checkpoints_->stopped().empty()) return stop();
@@ -52,6 +54,20 @@ public:
   }
 
 private:
+  /// Steps of which nothing is kept.
+  void try_steps()
+  {
+    const int left = driver_->expected_steps() - driver_->step();
+    const double length = driver_->step_length();
+    DryRun dry(files_);
+    dry.fields(driver_->time(), driver_->displacement());
+    (void)driver_->run([&] { return dry.step() ? Verdict::go_on : Verdict::stop; });
+    const double begin = MPI_Wtime();
+    (void)recorder_.energies(*driver_);
+    dry.look(MPI_Wtime() - begin);
+    dry.tell_time(left, length);
+  }
+
   bool goes_on() const { return checkpoints_ && checkpoints_->restarted(); }
   void change()
   {

@@ -2,6 +2,7 @@
 
 #include "pdx/adapt/hand_back.hpp"
 #include "pdx/app/crack_results.hpp"
+#include "pdx/app/dry_run.hpp"
 #include "pdx/app/patch_mover.hpp"
 #include "pdx/app/recorder.hpp"
 #include "pdx/app/scene.hpp"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <utility>
 
 namespace pdx::app {
 bool wants_assembled(const SceneOptions& options)
@@ -92,12 +94,27 @@ public:
     recorder_.built(standing());
     drive({});
     files_.started();
+    files_.begin_probes(0, 0.0, u_.get());
+    if (files_.options.output.dry_run) return try_solve();
     solve::LoadPath path = driver_->path();
     while (load(path) == Verdict::relayout) files_.told_if_refused([&] { renew(); });
     recorder_.finish(driver_->report());
   }
 
 private:
+  /// The first load, of which nothing breaks and nothing is kept.
+  void try_solve()
+  {
+    DryRun dry(files_);
+    dry.fields(0.0, u_.get());
+    const auto breaking = std::exchange(d_->system.after, {});
+    const double begin = MPI_Wtime();
+    solve::LoadPath path = driver_->path();
+    (void)driver_->run(u_.get(), path, [](const solve::Step&, Vec) { return Verdict::stop; });
+    dry.solve(MPI_Wtime() - begin);
+    dry.tell_loads(files_.options.load.steps, driver_->report().linear_iterations);
+  }
+
   Standing standing() { return {&ground_->mesh, &ground_->plan, d_.get()}; }
 
   /// The ground of the first scene, and what is solved on it before.
@@ -126,6 +143,7 @@ private:
   void drive(solve::StaticReport before)
   {
     solve::StaticOptions steps = steps_of(files_.options, *d_, assembled_);
+    steps.working = [this](const solve::Step& step) { recorder_.working(driver_->report(), step.load); };
     if (mover_.follows())
       steps.outgrown = [this] {
         change_ = mover_.look(d_->view(ground_->mesh), ground_->plan, d_->fracture->broken(), {});

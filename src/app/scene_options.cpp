@@ -1,6 +1,7 @@
 #include "pdx/app/scene_options.hpp"
 
 #include "pdx/app/cloud_body.hpp"
+#include "pdx/app/option_names.hpp"
 #include "pdx/app/patch_mover.hpp"
 #include "pdx/app/seeds.hpp"
 #include "pdx/base/given_options.hpp"
@@ -143,7 +144,8 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
   return pd;
 }
 
-std::array<std::optional<double>, 3> read_components(Options& o, const std::string& name, bool solid, const char* help)
+std::array<std::optional<double>, 3> read_components(Options& o, const std::string& name, bool solid, const char* unit,
+                                                     const char* help)
 {
   const std::vector<std::string> parts = o.texts(name, {}, help);
   std::array<std::optional<double>, 3> held;
@@ -153,12 +155,13 @@ std::array<std::optional<double>, 3> read_components(Options& o, const std::stri
                                 solid ? " or 3" : ""));
   for (std::size_t a = 0; a < parts.size(); ++a) {
     if (parts[a] == "free") continue;
-    const std::optional<double> value = real_in(parts[a]);
+    const std::optional<double> value = number_of(name, parts[a], unit);
     if (!value || !std::isfinite(*value))
       throw UserError(fmt::format("{} is \"{}\" in component {}: must be a finite number or the word free", name,
                                   shown(parts[a]), a + 1));
     held[a] = *value;
   }
+  require_units_alike(name, parts);
   return held;
 }
 
@@ -236,10 +239,10 @@ BoundaryCondition read_condition(const std::string& name, bool solid, bool descr
   if (const int set = o.integer(stem + "_set", 0, "of a cloud: only particles of this set"); o.given(stem + "_set"))
     c.set = set;
   c.of = o.text(stem + "_of", "", "of material points: only this body");
-  c.displacement = read_components(o, stem + "_displacement", solid,
+  c.displacement = read_components(o, stem + "_displacement", solid, "m",
                                    "held displacement ux,uy (solid: ,uz) [m]; free leaves a component");
-  c.velocity =
-      read_components(o, stem + "_velocity", solid, "held velocity vx,vy [m/s], in time; the word free as above");
+  c.velocity = read_components(o, stem + "_velocity", solid, "m/s",
+                               "held velocity vx,vy [m/s], in time; the word free as above");
   c.initial_velocity =
       read_vector(o, stem + "_initial_velocity", solid, "m/s", "velocity vx,vy at the start, free afterwards");
   c.traction = read_vector(o, stem + "_traction", solid, "Pa", "constant traction tx,ty on the boundary");
@@ -349,9 +352,8 @@ void judge(const SceneOptions& s)
       std::none_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.holds(); }))
     throw UserError("the body is not held anywhere: give a -bc_NAME_displacement");
 }
-} // namespace
 
-SceneOptions SceneOptions::read(bool describe)
+SceneOptions read_all(bool describe)
 {
   SceneOptions s;
   Options o("scene");
@@ -381,7 +383,17 @@ SceneOptions SceneOptions::read(bool describe)
   s.layout = LayoutOptions::read();
   s.post = PostOptions::read();
   s.output = OutputOptions::read(s.case_name, s.time.dynamic());
-  if (describe) return s;
+  s.probes = ProbeOptions::read(s.solid, s.output.history_interval, describe);
+  return s;
+}
+} // namespace
+
+SceneOptions SceneOptions::read(bool describe)
+{
+  if (describe) return read_all(true);
+  forget_documented_options();
+  SceneOptions s = unless_misspelt([] { return read_all(false); });
+  refuse_unlisted();
   refuse_unknown_options();
   judge(s);
   return s;

@@ -2,10 +2,10 @@
 
 #include "pdx/base/fingerprint.hpp"
 #include "pdx/base/options.hpp"
+#include "pdx/base/quantity.hpp"
 #include "pdx/io/disk_file.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,6 +17,9 @@ constexpr std::size_t kBlock = std::size_t{1} << 24; // [B]
 /// Beginnings of names that may change, and why.
 constexpr std::string_view kMayChange[] = {"-output_",
                                            "-quiet",
+                                           "-dry_run",
+                                           "-warnings_are_errors",
+                                           "-probe_",
                                            "-case",
                                            "-checkpoint_",
                                            "-restart", // what is written
@@ -40,8 +43,17 @@ bool belongs(const std::string& name)
   return std::ranges::any_of(kMayNotChange, begins) || std::ranges::none_of(kMayChange, begins);
 }
 
-/// "1e9, 2" and "1000000000,2.0" alike.
-std::string plain(std::string_view text)
+/// The number that a word is where its unit fits; none for all else, file names among them.
+std::optional<double> number_in(std::string_view word, const char* unit)
+{
+  const auto quantity = quantity_in(word);
+  const auto has = quantity ? unit_in(quantity->unit) : std::nullopt, wanted = unit_in(unit);
+  if (!has || (!quantity->unit.empty() && !(wanted && has->same_kind(*wanted)))) return std::nullopt;
+  return value_in(word, unit);
+}
+
+/// "1e9, 2" and "1000000000,2.0" alike, and "1mm" and "1e-3" where a length belongs.
+std::string plain(std::string_view text, const char* unit)
 {
   std::string all;
   for (std::size_t from = 0; from <= text.size();) {
@@ -49,11 +61,9 @@ std::string plain(std::string_view text)
     std::string_view word = text.substr(from, comma - from);
     while (!word.empty() && (word.front() == ' ' || word.front() == '+')) word.remove_prefix(1);
     while (!word.empty() && word.back() == ' ') word.remove_suffix(1);
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    const bool is_number = error == std::errc() && end == word.data() + word.size();
+    const std::optional<double> value = number_in(word, unit);
     if (!all.empty()) all += ',';
-    all += is_number ? fmt::format("{}", value) : std::string(word);
+    all += value ? fmt::format("{}", *value) : std::string(word);
     from = comma + 1;
   }
   return all;
@@ -61,9 +71,9 @@ std::string plain(std::string_view text)
 
 std::string value_of(Options& options, const OptionDoc& doc)
 {
-  if (!options.given(doc.name)) return plain(doc.default_value);
+  if (!options.given(doc.name)) return plain(doc.default_value, doc.unit.c_str());
   if (doc.allowed == "true, false") return options.boolean(doc.name, false, "") ? "true" : "false";
-  return plain(options.text(doc.name, "", ""));
+  return plain(options.text(doc.name, "", ""), doc.unit.c_str());
 }
 
 /// Of all bytes of a file, 0 for one that cannot be read.

@@ -1,5 +1,7 @@
 #include "pdx/app/time_recorder.hpp"
 
+#include "pdx/app/run_record.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -53,6 +55,7 @@ void TimeRecorder::started(const solve::TimeDriver& driver, const StepLimits& li
       "{} steps of {:.4g} s; stable limit {:.4g} s{}", driver.expected_steps(), driver.step_length(), limits.rigorous,
       limits.papers > 0.0 ? fmt::format(", the papers' Eq. 26 {:.4g} s", limits.papers) : ""));
   if (cracks_ && !cracks_->looked()) cracks_->look(driver.time(), 0);
+  files_.begin_probes(driver.step(), driver.time(), driver.displacement());
   begin_ = MPI_Wtime();
 }
 
@@ -185,6 +188,9 @@ void TimeRecorder::after_step(const solve::TimeDriver& driver)
   const bool looks = (output.history || d_->breaker) && step % output.history_interval == 0;
   const bool pictures = fields_due(driver);
   if (step >= last) return; // `finish` does it
+  const double probing = MPI_Wtime();
+  files_.look_at_probes(step, driver.time(), driver.displacement());
+  output_ += MPI_Wtime() - probing;
   if (looks || pictures) {
     const double begin = MPI_Wtime();
     if (looks) look(driver);
@@ -255,6 +261,7 @@ void TimeRecorder::finish(const solve::TimeDriver& driver)
   const double end = MPI_Wtime();
   const MotionEnergies e = look(driver);
   if (files_.fields && !told(driver)) files_.write_fields(driver.time(), driver.displacement());
+  files_.look_at_probes(driver.step(), driver.time(), driver.displacement(), true);
   write_results(driver, e);
   count_seconds(end);
   files_.summary.steps = driver.step();
@@ -302,5 +309,6 @@ void TimeRecorder::print_phases(const solve::TimeDriver& driver)
   files_.progress.phases(phases);
   if (files_.layout_seconds > 0.0)
     files_.progress.line(fmt::format("changes of layout: {:.3f} s of the steps", files_.layout_seconds));
+  files_.progress.line(citation_line(files_.options));
 }
 } // namespace pdx::app

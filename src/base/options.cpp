@@ -3,6 +3,7 @@
 #include "pdx/base/given_options.hpp"
 #include "pdx/base/number.hpp"
 #include "pdx/base/petsc_names.hpp"
+#include "pdx/base/quantity.hpp"
 #include "pdx/base/shown.hpp"
 #include <algorithm>
 #include <cctype>
@@ -64,7 +65,8 @@ void require_range(const std::string& name, double value, const char* unit, cons
 
 double parse_real(const std::string& name, const std::string& text, const char* unit, const Range& range)
 {
-  const double value = parse(name, text, "a number", real_in);
+  const char* what = *unit && *unit != '-' ? "a number, its unit if any directly behind it" : "a number";
+  const double value = parse(name, text, what, [&](const std::string& word) { return number_of(name, word, unit); });
   require_range(name, value, unit, range);
   return value;
 }
@@ -89,6 +91,7 @@ std::vector<std::string> items_of(const std::string& name, const std::string& te
       throw UserError(fmt::format("{} is \"{}\": an item is empty; separate items by one comma", name, shown(text)));
   return items;
 }
+} // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b)
 {
@@ -105,7 +108,26 @@ std::size_t edit_distance(std::string_view a, std::string_view b)
   }
   return row[b.size()];
 }
-} // namespace
+
+std::optional<double> number_of(const std::string& name, const std::string& text, const char* unit)
+{
+  try {
+    return value_in(text, unit);
+  } catch (const UserError& wrong) {
+    throw UserError(fmt::format("{} is \"{}\": {}", name, shown(text), wrong.what()));
+  }
+}
+
+void require_units_alike(const std::string& name, std::span<const std::string> items)
+{
+  const std::string *with = nullptr, *without = nullptr;
+  for (const std::string& item : items)
+    if (const auto quantity = quantity_in(item); quantity && quantity->number != 0.0)
+      (quantity->unit.empty() ? without : with) = &item;
+  if (with && without)
+    throw UserError(fmt::format("{} has {} with a unit and {} without: write the unit behind each number, or none",
+                                name, shown(*with), shown(*without)));
+}
 
 std::optional<std::string> Options::find(const std::string& name) const
 {
@@ -179,7 +201,9 @@ std::vector<double> Options::reals(const std::string& name, std::vector<double> 
   const auto text = find(name);
   if (!text) return value;
   value.clear();
-  for (const std::string& part : items_of(name, *text, count)) value.push_back(parse_real(name, part, unit, range));
+  const std::vector<std::string> items = items_of(name, *text, count);
+  for (const std::string& part : items) value.push_back(parse_real(name, part, unit, range));
+  require_units_alike(name, items);
   return value;
 }
 
@@ -216,6 +240,8 @@ bool misspelt(std::string_view given)
 } // namespace
 
 const std::vector<OptionDoc>& documented_options() { return documents(); }
+
+void forget_documented_options() { documents().clear(); }
 
 bool is_documented(std::string_view name)
 {

@@ -18,8 +18,12 @@ const std::vector<Output>& outputs()
                                        {"crack_path.csv", {"tip [-],"}, true},
                                        {"summary.json.part", {}, true},
                                        {"checkpoint.h5.part", {}, true},
+                                       {"options.opts.part", {}, true},
+                                       {"citations.bib.part", {}, true},
                                        {"history.csv.part", {}, true},
                                        {"fields.xdmf.part", {}, true},
+                                       {"options.opts", {"# pdxsolve options as used"}, false},
+                                       {"citations.bib", {"% pdxsolve: "}, false},
                                        {"history.csv", {"step [-],"}, false},
                                        {"fields.h5", {"\x89HDF\r\n\x1a\n"}, false},
                                        {"fields_before.h5", {"\x89HDF\r\n\x1a\n"}, false},
@@ -41,6 +45,12 @@ bool is_ours(const std::filesystem::path& path, const Output& output)
     if (start.starts_with(beginning)) return true;
   return false;
 }
+
+bool is_probe(const std::filesystem::path& path)
+{
+  const std::string name = path.filename().string();
+  return name.starts_with("probe_") && name.ends_with(".csv") && is_ours(path, {"", {"step [-],"}, false});
+}
 } // namespace
 
 std::vector<std::string> clear_earlier_files(const std::filesystem::path& directory, bool goes_on)
@@ -56,7 +66,18 @@ std::vector<std::string> clear_earlier_files(const std::filesystem::path& direct
       std::filesystem::remove(path, error);
     if (!error) gone.emplace_back(output.name);
   }
+  std::error_code none;
+  if (!goes_on)
+    for (const auto& entry : std::filesystem::directory_iterator(directory, none))
+      if (is_probe(entry.path()) && std::filesystem::remove(entry.path(), none))
+        gone.insert(gone.begin(), entry.path().filename());
   return gone;
+}
+
+bool is_of_a_run(const std::filesystem::path& path)
+{
+  return std::ranges::any_of(
+      outputs(), [&](const Output& output) { return path.filename() == output.name && is_ours(path, output); });
 }
 
 bool is_output_of(const std::filesystem::path& file, const std::filesystem::path& directory)

@@ -5,6 +5,7 @@
 #include "pdx/base/gather.hpp"
 #include "pdx/base/hdf5_id.hpp"
 #include "pdx/base/machine_failure.hpp"
+#include "pdx/io/provenance.hpp"
 
 #include <algorithm>
 #include <array>
@@ -72,6 +73,8 @@ Hdf5File::Hdf5File(MPI_Comm comm, std::filesystem::path path, Mode mode)
   }
   settle(comm_, fault);
   settle(comm_, rank_ ? path_fault(doing, path_, disk_.open(path_, O_WRONLY)) : Fault{});
+  if (fresh)
+    for (const auto& [name, value] : provenance(comm_)) attribute("/", name, value);
 }
 
 Hdf5File::~Hdf5File()

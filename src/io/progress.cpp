@@ -34,6 +34,7 @@ std::size_t terminal_width(std::FILE* out)
   winsize size{};
   return isatty(fileno(out)) == 1 && ioctl(fileno(out), TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
+} // namespace
 
 std::string duration(double seconds)
 {
@@ -43,7 +44,6 @@ std::string duration(double seconds)
   if (s < 3600) return fmt::format("{} min {:02d} s", s / 60, s % 60);
   return fmt::format("{} h {:02d} min", s / 3600, s % 3600 / 60);
 }
-} // namespace
 
 Progress::Progress(MPI_Comm comm, bool quiet) : Progress(quiet || !is_first(comm), stdout, kLogInterval) {}
 

@@ -1,6 +1,7 @@
 #include "pdx/io/summary.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/io/provenance.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -84,13 +85,30 @@ double peak_memory_mb(MPI_Comm comm)
 }
 
 namespace {
-Json json_of(const Summary& summary, int ranks, double peak)
+int ranks_of(MPI_Comm comm)
+{
+  int ranks = 0;
+  MPI_Comm_size(comm, &ranks);
+  return ranks;
+}
+
+Json provenance_json(MPI_Comm comm, const Summary& summary)
+{
+  Json json;
+  for (const auto& [name, value] : provenance(comm)) json[name] = value;
+  json["ranks"] = ranks_of(comm);
+  json["hosts"] = summary.hosts;
+  return json;
+}
+
+Json json_of(MPI_Comm comm, const Summary& summary, double peak)
 {
   Json json;
   json["case"] = summary.case_name;
   json["version"] = PDX_VERSION;
   json["petsc_version"] = fmt::format("{}.{}.{}", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR);
-  json["ranks"] = ranks;
+  json["ranks"] = ranks_of(comm);
+  json["provenance"] = provenance_json(comm, summary);
   json["status"] = summary.status;
   json["message"] = summary.message;
   add_counts(json, summary);
@@ -102,23 +120,13 @@ Json json_of(const Summary& summary, int ranks, double peak)
 }
 
 std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
-
-int ranks_of(MPI_Comm comm)
-{
-  int ranks = 0;
-  MPI_Comm_size(comm, &ranks);
-  return ranks;
-}
 } // namespace
 
-Json summary_json(MPI_Comm comm, const Summary& summary)
-{
-  return json_of(summary, ranks_of(comm), peak_memory_mb(comm));
-}
+Json summary_json(MPI_Comm comm, const Summary& summary) { return json_of(comm, summary, peak_memory_mb(comm)); }
 
 Fault write_summary_alone(MPI_Comm comm, const std::filesystem::path& path, const Summary& summary)
 {
-  return replace_file_alone(path, text_of(json_of(summary, ranks_of(comm), status_mb("VmHWM:"))));
+  return replace_file_alone(path, text_of(json_of(comm, summary, status_mb("VmHWM:"))));
 }
 
 void write_summary(MPI_Comm comm, const std::filesystem::path& path, const Summary& summary)

@@ -300,6 +300,7 @@ std::string StaticDriver::equilibrium(Step& step, Vec u)
     for (const auto& after : system_.after) changes += after->apply(local_);
     report_.solve_changes.back() = changes;
     if (changes > 0) stale_ = true;
+    if (changes > 0 && options_.working) options_.working(step);
     if (changes > 0 && options_.judge) options_.judge();
     if (options_.max_changes > 0 && step.changes + changes > options_.max_changes) {
       step.changes += changes;
@@ -386,6 +387,7 @@ Verdict StaticDriver::run(Vec u, LoadPath& path, const Accepted& accepted, std::
     if (hopeless || !path.halve())
       throw SolverFailure(fmt::format("{}{}{}", where, step.changes > 0 ? kUnstable : "", why));
     ++report_.halvings;
+    if (options_.working) options_.working(step);
   }
   return Verdict::go_on;
 }

@@ -73,43 +73,41 @@ class Disk(program.ProgramTest):
 
     def test_a_full_disk_at_any_moment(self):
         failed = 0
-        for ranks in (1, 2):
-            for size in SIZES:
-                with self.subTest(size=size, ranks=ranks):
-                    disk = self.mount(f"disk_{size}_{ranks}", size)
-                    if disk is None:
-                        self.skipTest("no mount here: the test with /dev/full takes its place")
-                    run, took = self.timed(ALL_FILES, ranks, disk / "o")
-                    if run.status == 0:  # there was room
-                        continue
-                    failed += 1
-                    self.assert_machine_failed(run, "No space left on device", disk / "o")
-                    self.assertLess(took, LIMIT)
+        cases = [(ranks, size, self.mount(f"disk_{size}_{ranks}", size)) for ranks in (1, 2) for size in SIZES]
+        if cases[0][2] is None:
+            self.skipTest("no mount here: the test with /dev/full takes its place")
+        runs = program.in_pairs(lambda case: self.timed(ALL_FILES, case[0], case[2] / "o"), cases)  # they mostly wait for mpirun
+        for (ranks, size, disk), (run, took) in zip(cases, runs):
+            with self.subTest(size=size, ranks=ranks):
+                if run.status == 0:  # there was room
+                    continue
+                failed += 1
+                self.assert_machine_failed(run, "No space left on device", disk / "o")
+                self.assertLess(took, LIMIT)
         self.assertGreaterEqual(failed, 16)
 
+    def runs_with(self, names, prepare):
+        """Runs on 1 and 2 ranks in directories where something was prepared under a name: ranks, name, run, seconds."""
+        cases = [(ranks, name, self.scratch / f"prepared_{ranks}_{name}") for ranks in (1, 2) for name in names]
+        for _, name, directory in cases:
+            directory.mkdir()
+            prepare(directory / name)
+        runs = program.in_pairs(lambda case: self.timed(ALL_FILES, case[0], case[2]), cases)
+        return [(ranks, name, *run) for (ranks, name, _), run in zip(cases, runs)]
+
     def test_a_file_that_cannot_be_written(self):
-        for ranks in (1, 2):
-            for name in TARGETS:
-                with self.subTest(name, ranks=ranks):
-                    directory = self.scratch / f"full_{ranks}_{name}"
-                    directory.mkdir()
-                    (directory / name).symlink_to("/dev/full")
-                    run, took = self.timed(ALL_FILES, ranks, directory)
-                    self.assert_machine_failed(run, "No space left on device", directory)
-                    self.assertIn(name.removesuffix(".part"), run.err)
-                    self.assertLess(took, LIMIT)
+        for ranks, name, run, took in self.runs_with(TARGETS, lambda path: path.symlink_to("/dev/full")):
+            with self.subTest(name, ranks=ranks):
+                self.assert_machine_failed(run, "No space left on device", run.directory)
+                self.assertIn(name.removesuffix(".part"), run.err)
+                self.assertLess(took, LIMIT)
 
     def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(self):
-        for ranks in (1, 2):
-            for name in ("crack_path.csv", *TARGETS):
-                with self.subTest(name, ranks=ranks):
-                    directory = self.scratch / f"pipe_{ranks}_{name}"
-                    directory.mkdir()
-                    os.mkfifo(directory / name)
-                    run, took = self.timed(ALL_FILES, ranks, directory)
-                    self.assertIn((run.status, run.err.count("\n")), ((1, 1), (3, 1)), run.err)
-                    self.assertIn(name.removesuffix(".part"), run.err)
-                    self.assertLess(took, LIMIT)
+        for ranks, name, run, took in self.runs_with(("crack_path.csv", *TARGETS), os.mkfifo):
+            with self.subTest(name, ranks=ranks):
+                self.assertIn((run.status, run.err.count("\n")), ((1, 1), (3, 1)), run.err)
+                self.assertIn(name.removesuffix(".part"), run.err)
+                self.assertLess(took, LIMIT)
 
     def test_the_old_checkpoint_stays(self):
         first = {"-ts_max_steps": "20", "-output_history": None, "-checkpoint_interval": "20"}
@@ -199,7 +197,7 @@ class Disk(program.ProgramTest):
         process.communicate()
         self.assertIn("run.lock", os.listdir(directory))
         run = self.solve(TORN | {"-ts_max_steps": "20"}, directory=directory)
-        self.assertEqual(run.files, ["crack_path.csv", "history.csv", "summary.json"])
+        self.assertEqual(run.files, ["citations.bib", "crack_path.csv", "history.csv", "options.opts", "summary.json"])
 
     def test_files_of_an_earlier_run_are_not_left_beside_new_ones(self):
         directory = self.scratch / "twice"
@@ -211,7 +209,7 @@ class Disk(program.ProgramTest):
         self.assertIn("fields.h5", bad.files)  # nothing is lost by a mistake
         self.assertIn("checkpoint.h5", bad.files)
         run = self.solve(TORN | {"-output_history": None, "-ts_max_steps": "20"}, directory=directory)
-        self.assertEqual(run.files, ["checkpoint_before.h5", "crack_path.csv", "notes.txt", "summary.json"])
+        self.assertEqual(run.files, ["checkpoint_before.h5", "citations.bib", "crack_path.csv", "notes.txt", "options.opts", "summary.json"])
 
 
 if __name__ == "__main__":

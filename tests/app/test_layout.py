@@ -11,8 +11,16 @@ import numpy as np
 
 RENEWED = {"-layout_renew_interval": "7"}
 WRITTEN = {"-output_fields": "", "-output_interval": "100", "-checkpoint_interval": "400"}
-# The double cantilever beam; bonds break over the last loads.
-GROWING = {"-options_file": "cases/dcb/smoke.opts", "-output_fields": "false", "-output_history": "", "-quiet": ""}
+# The double cantilever beam up to half of its load; bonds break over the last loads.
+GROWING = {
+    "-options_file": "cases/dcb/smoke.opts",
+    "-bc_top_displacement": "0,0.75e-6",
+    "-bc_bottom_displacement": "0,-0.75e-6",
+    "-load_steps": "5",
+    "-output_fields": "false",
+    "-output_history": "",
+    "-quiet": "",
+}
 # A block in space, with a crack through half of it.
 BLOCK = TORN | {
     "-case": "block",
@@ -52,10 +60,10 @@ class Layout(program.ProgramTest):
     def test_loads_go_on_by_the_same_passes_and_bonds(self):
         for ranks in (1, 2):
             with self.subTest(ranks=ranks):
-                whole = self.solve(GROWING, ranks)
-                renewed = self.solve(GROWING | {"-layout_renew_interval": "1"}, ranks)
-                self.assertGreater(whole.summary["bonds_broken"], 2000)
-                self.assertEqual(renewed.events["layout_change"], 9)
+                both = (GROWING, GROWING | {"-layout_renew_interval": "1"})
+                whole, renewed = program.in_pairs(self.shared, both) if ranks == 1 else [self.solve(one, ranks) for one in both]
+                self.assertGreater(whole.summary["bonds_broken"], 500)
+                self.assertEqual(renewed.events["layout_change"], 4)
                 self.assertGreater([row["bonds_broken"] for row in whole.history()][-2], 100)  # the last change carries some
                 for name in ("passes", "halvings", "solve_bonds_broken", "load_steps_accepted"):
                     self.assertEqual(whole.summary["results"][name], renewed.summary["results"][name], name)

@@ -107,7 +107,8 @@ class Files(program.ProgramTest):
         for options, files in rows:
             for base in (SMALL, SMALL_PATCH):
                 with self.subTest(options=list(options), patch="-pd_patches" in base):
-                    self.assertEqual(self.solve(base | options).files, files)
+                    always = ["citations.bib", "options.opts"]
+                    self.assertEqual(self.solve(base | options).files, sorted([*always, *files]))
 
 
 class Work(program.ProgramTest):
@@ -204,7 +205,7 @@ class Time(program.ProgramTest):
     def test_no_output_asked_none_written(self):
         run = self.solve(WAVE)
         self.assertEqual(of_room(run.events, "io"), [])
-        self.assertEqual(run.files, ["summary.json"])
+        self.assertEqual(run.files, ["citations.bib", "options.opts", "summary.json"])
 
     def test_elements_only_run_neither_bonds_nor_coupling(self):
         run = self.solve(WAVE | {"-pd_patches": None, "-pd_spacing": None})

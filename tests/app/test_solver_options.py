@@ -4,6 +4,7 @@ Usage: test_solver_options.py PDXSOLVE [unittest arguments].
 """
 
 import itertools
+import json
 import re
 
 import program  # finds scripts/ for the next line
@@ -207,6 +208,20 @@ class Contract(program.ProgramTest):
                 self.assertRegex(run.out, r"-material_young .*\[Pa\]\n *default none; above 0")
                 self.assertRegex(run.out, r"-couple_scheme .*\n *default energy; energy, ghost, interface")
                 self.assertEqual(run.out.count("\n  -material_young "), 1)
+
+    def test_help_searches_and_is_there_as_json(self):
+        found = self.launch({"-help": "Horizon bond", "-output_dir": None})
+        self.assertEqual((found.status, found.err), (0, ""))
+        for name, there in (("-bc_NAME_layer", False), ("-adapt_critical_length", True), ("-material_young", False)):
+            self.assertEqual(f"  {name} " in found.out, there, name)
+        none = self.launch({"-help": "nosuchword", "-output_dir": None})
+        self.assertEqual(none.status, 1)
+        self.assertRegex(none.err, r"^error: -help nosuchword: no option has that in its name or text\n$")
+        listed = json.loads(program.finish([program.PROGRAM, "-help", "-json"], program.ROOT)[1])
+        young = [option for option in listed if option["name"] == "-material_young"]
+        self.assertEqual([(o["room"], o["unit"], o["default"], o["allowed"]) for o in young], [("material", "Pa", "none", "above 0")])
+        shown = self.launch({"-help": ""}).out
+        self.assertTrue(all(f"  {option['name']} " in shown for option in listed))
 
     def test_version_names_ours_and_petscs(self):
         for ranks in (1, 2):

@@ -3,6 +3,13 @@
 Usage: test_warnings.py PDXSOLVE [unittest arguments].
 """
 
+import fcntl
+import os
+import pty
+import struct
+import subprocess
+import termios
+
 import program
 
 CLOUD = {
@@ -12,6 +19,8 @@ CLOUD = {
     "-analysis": "explicit",
     "-ts_max_steps": "2",
     "-ts_max_time": "1",
+    "-bc_names": "weight",
+    "-bc_weight_body": "0,-1",
     "-quiet": "",
 }
 BAR = {
@@ -28,6 +37,23 @@ BAR = {
     "-quiet": "",
 }
 GRID = [(0.05 + 0.1 * i, 0.05 + 0.1 * j) for j in range(6) for i in range(10)]
+
+
+def watched(command):
+    """What a command says on a terminal of 160 columns."""
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 160, 0, 0))
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=theirs, stderr=subprocess.DEVNULL, cwd=program.ROOT) as process:
+        os.close(theirs)
+        said = b""
+        try:
+            while part := os.read(ours, 4096):
+                said += part
+        except OSError:  # the other end is closed
+            pass
+        process.wait(program.TIMEOUT)
+    os.close(ours)
+    return said.decode(errors="replace")
 
 
 class Warnings(program.ProgramTest):
@@ -98,6 +124,46 @@ class Warnings(program.ProgramTest):
             run = self.launch(thick | {"-material_poisson": poisson}, ranks=2)
             self.assertEqual(run.status, 1)
             self.assertRegex(run.err, r"^error: -material_poisson is " + poisson + r"\b[^\n]*0\.333333 in plane stress[^\n]*\n$")
+
+    def test_what_is_easily_overlooked_in_statics(self):
+        for change, words in (
+            ({"-bc_load_traction": "1e13,0"}, r"the largest displacement is [\d.e+]+ m and the body 1 m: small strains"),
+            ({"-bc_load_traction": "0,0"}, "nothing loads or moves the body"),
+            ({"-ts_max_time": "1"}, "-ts_max_time acts in time and changes nothing in statics"),
+        ):
+            with self.subTest(change):
+                self.assert_warned(self.launch(program.SMALL | change), words)
+                run = self.launch(program.SMALL | change | {"-warnings_are_errors": ""}, 2)
+                self.assertEqual(run.status, 1, run.err)
+                self.assertRegex(run.err, rf"^error: {words}[^\n]* \(-warnings_are_errors\)\n$")
+        finite = self.launch(program.SMALL | {"-bc_load_traction": "1e3,0", "-warnings_are_errors": ""})
+        self.assertEqual((finite.status, finite.err), (0, ""))
+
+    def test_a_crack_on_a_row_of_particles(self):
+        # Rows at 0.25 + 0.125 (k + 1/2): 0.4375 is one, 0.5 lies between two.
+        crack = {"-crack_names": "a", "-crack_a_points": "0.3,0.4375,0.7,0.4375"}
+        for ranks in (1, 2):
+            self.assert_warned(self.launch(program.SMALL_PATCH | crack, ranks),
+                               r"crack 1 runs along a row of particles from \(0\.3, 0\.4375\) to .* by half a spacing \(0\.0625 m\)")
+        between = self.launch(program.SMALL_PATCH | crack | {"-crack_a_points": "0.3,0.5,0.7,0.5"})
+        self.assertEqual((between.status, between.err), (0, ""))
+
+    def test_a_third_component_that_was_left_out(self):
+        block = {"-case": "block", "-analysis": "explicit", "-mesh_lower": "0,0", "-mesh_upper": "0.8,0.8", "-material_thickness": "0.8",
+                 "-material_plane": "solid", "-material_young": "1e9", "-material_density": "1000", "-pd_patches": "all",
+                 "-pd_spacing": "0.1", "-pd_horizon_ratio": "2", "-ts_max_steps": "2", "-bc_names": "hit", "-bc_hit_on": "left",
+                 "-bc_hit_velocity": "1,free", "-quiet": ""}  # fmt: skip
+        self.assert_warned(self.launch(block), r"-bc_hit_velocity has two components in space: along z it is free")
+        self.assertEqual(self.launch(block | {"-bc_hit_velocity": "1,free,free"}).err, "")
+
+    def test_loads_that_are_halved_are_told(self):
+        # On a terminal the line is drawn anew ten times a second; attempts that were given up count in it.
+        halved = program.PULLED | {"-case": "halved", "-mesh_lower": "0,0", "-mesh_upper": "1,1", "-mesh_cells": "10,10",
+                                   "-pd_patches": "0,0.3,1,0.7", "-pd_spacing": "0.025", "-material_toughness": "20",
+                                   "-crack_names": "notch", "-crack_notch_points": "0,0.5,0.3,0.5", "-load_passes": "30",
+                                   "-bc_t_displacement": "0,6e-4", "-quiet": None}  # fmt: skip
+        out = watched([program.PROGRAM, *program.words_of(halved), "-output_dir", str(self.scratch / "o")])
+        self.assertRegex(out, r"load [\d.]+ being worked at, \d+ bonds broken, \d+ linear iterations so far, [1-9]\d* attempts given up")
 
     def test_no_contact_is_told(self):
         run = program.Run(*program.finish([program.PROGRAM, "-help"], program.ROOT), self.scratch)

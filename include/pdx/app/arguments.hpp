@@ -6,7 +6,9 @@ namespace pdx::app {
 /// What must be known before PETSc starts.
 struct Arguments {
   bool help = false, version = false;
-  std::string error; ///< not empty: what is wrong with the options, one line
+  bool json = false;      ///< help as JSON
+  std::string help_words; ///< what is looked for in it, "" for all
+  std::string error;      ///< not empty: what is wrong with the options, one line
 };
 
 /// Reads the command line, the files it names, PETSc's resource files and PETSC_OPTIONS: all options are in

@@ -18,6 +18,8 @@ public:
   std::vector<GivenOption> take();
 
   bool help = false, version = false; ///< asked for
+  bool json = false;                  ///< help as JSON
+  std::string help_words;             ///< behind -help
 
 private:
   using Words = std::span<const OptionWord>;

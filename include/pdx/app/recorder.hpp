@@ -22,6 +22,9 @@ public:
   void take_scene(const Standing& scene, double load, std::vector<double> u, std::span<const double> internal_force);
   void book_change(double energy) { converted_ += energy; } ///< that a change of layout brought, of all ranks [J]
   void accept(const solve::Step& step, Vec u, const solve::StaticDriver& driver, const Prior& prior);
+  /// A load is being worked at that bonds break at, or that was given up and will be approached by half: says so, now
+  /// and then. @param load aimed at [-]
+  void working(const solve::StaticReport& report, double load);
   void count(const solve::StaticReport& report); ///< what it cost so far, for the summary
   void finish(const solve::StaticReport& report);
   void stopped_at(Vec u); ///< the solver gave up: results and fields of the last accepted step
@@ -31,6 +34,7 @@ private:
   struct Reactions {
     std::vector<double> now, peak, peak_load; ///< x and y of part after part [N], [-]
   };
+  std::string said_so_far(const solve::StaticReport& report) const;
   void open_history();
   void take_stock(const solve::Step& step, Vec u, const solve::StaticDriver& driver);
   void write_history(const solve::Step& step);

@@ -1,13 +1,9 @@
 #pragma once
 #include <mpi.h>
-#include <string>
 
 namespace pdx::app {
 /// Reads the given options, solves the scene and writes what was asked for. Collective.
 /// @param begin wall clock at the start of the program [s]
 /// Throws UserError, SolverFailure or PetscFailure, alike on every rank.
 void run(MPI_Comm comm, double begin);
-
-/// All options by room with unit, default and allowed values.
-std::string help_text();
 } // namespace pdx::app

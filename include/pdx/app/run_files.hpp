@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/app/discretisation.hpp"
+#include "pdx/app/probes.hpp"
 #include "pdx/io/curve.hpp"
 #include "pdx/io/progress.hpp"
 #include "pdx/io/run_lock.hpp"
@@ -53,6 +54,11 @@ public:
   /// Set-up is over and nothing was refused: files of an earlier run go, those of this one are opened.
   void started();
   void write_fields(double time, Vec u, const std::vector<double>& relative_percent = {});
+  /// Probes begin with a row, behind `started`, and have one where they are due, or all of them.
+  ///@{
+  void begin_probes(int step, double time, Vec u);
+  void look_at_probes(int step, double time, Vec u, bool all = false);
+  ///@}
   void write_summary(const char* status);
   void fail(const std::string& why);
   /// Does what may throw UserError in the middle of a run: the summary says why it ended.
@@ -61,8 +67,10 @@ public:
   void lost(const std::string& why) noexcept;
   /// Writes what a run that failed still has. Where that fails too it is a warning: the first cause counts.
   void after_failure(const std::function<void()>& write) const;
-  void stop(const std::string& why);        ///< a signal came: no failure, and worth a line in any log
-  void warn(const std::string& what) const; ///< a line on standard error, even when quiet
+  void stop(const std::string& why); ///< a signal came: no failure, and worth a line in any log
+  /// A line on standard error, even when quiet; none for "". With -warnings_are_errors it ends the run: throws
+  /// UserError. Collective, with the same text on every rank.
+  void warn(const std::string& what);
   /// Columns of the reactions of held parts, one for each direction.
   void add_reaction_columns(std::vector<io::Column>& columns) const;
   /// Where patches move: particles, elements, changes so far, and the energy that they brought [J].
@@ -86,13 +94,17 @@ public:
 
 private:
   void report_cracks();
+  void say_warning(const std::string& what) const;
   void make_room();
   std::filesystem::path summary_path() const;
+  std::vector<field::OutputBlock> blocks(Vec u, const std::vector<double>& relative_percent);
+  Probed probed(Vec u);
 
   MPI_Comm comm_;
   double begin_;
   std::unique_ptr<io::RunLock> lock_; // of the directory
-  std::vector<io::Column> columns_;   // of history.csv; none: not asked for
+  Probes probes_;
+  std::vector<io::Column> columns_; // of history.csv; none: not asked for
   bool room_made_ = false;
   std::int64_t elements_ = 0; // of all ranks
 };

@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/app/fracture_options.hpp"
 #include "pdx/app/point_options.hpp"
+#include "pdx/app/probes.hpp"
 #include "pdx/app/time_options.hpp"
 #include "pdx/base/options.hpp"
 #include "pdx/couple/schemes.hpp"
@@ -65,7 +66,10 @@ struct PdOptions {
 };
 
 struct OutputOptions {
-  std::string directory;
+  std::string directory; ///< of all files; of a dry run one of its own below
+  bool dry_run = false;  ///< build, measure, write the initial fields, and no more
+  bool warnings_are_errors = false;
+  bool pictures = false; ///< fields were asked for, which a dry run writes anyway
   bool fields = false, history = false, quiet = false;
   int interval = 1;          ///< accepted steps from one set of fields to the next; the last is always written
   std::vector<double> times; ///< fields at the steps nearest to them as well, ascending [s]
@@ -93,6 +97,7 @@ struct SceneOptions {
   LayoutOptions layout;
   PostOptions post;
   OutputOptions output;
+  std::vector<ProbeOptions> probes;
   std::vector<std::string> warnings; ///< of what was taken otherwise than written
   std::vector<std::string> notes;    ///< of what was chosen because nothing was written
 

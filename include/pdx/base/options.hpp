@@ -51,9 +51,19 @@ private:
   std::string room_;
 };
 
+/// One number of an option, with or without a unit behind it, in the SI unit `unit`; none: it is no number. Throws
+/// UserError for a unit of another kind.
+std::optional<double> number_of(const std::string& name, const std::string& text, const char* unit);
+/// Throws UserError for a list of which some numbers have units and others, not 0, have none: 1,2mm.
+void require_units_alike(const std::string& name, std::span<const std::string> items);
+
 /// Every option read so far, in order of reading.
 const std::vector<OptionDoc>& documented_options();
 bool is_documented(std::string_view name);
+/// Another scene is read: its options are those read from here on.
+void forget_documented_options();
+/// Letters to change, add or leave out from one to the other.
+std::size_t edit_distance(std::string_view a, std::string_view b);
 /// The documented name nearest to `name` by edit distance ("" if none is near).
 std::string nearest_option(std::string_view name);
 /// Throws UserError for the first given option that neither we nor PETSc know. PETSc's own (-snes_..., -ksp_...,

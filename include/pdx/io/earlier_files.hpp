@@ -9,6 +9,9 @@ namespace pdx::io {
 /// there, only what is written at the end and what a killed run left unfinished goes. Names of what is gone.
 std::vector<std::string> clear_earlier_files(const std::filesystem::path& directory, bool goes_on);
 
+/// Did a run write this file, by its name and beginning, or is it empty?
+bool is_of_a_run(const std::filesystem::path& path);
+
 /// Is this file one that a run with this directory writes?
 bool is_output_of(const std::filesystem::path& file, const std::filesystem::path& directory);
 } // namespace pdx::io

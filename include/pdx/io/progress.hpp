@@ -6,6 +6,9 @@
 #include <string_view>
 
 namespace pdx::io {
+/// Seconds as a person reads them: "1.5 s", "2 min 05 s", "3 h 07 min".
+std::string duration(double seconds);
+
 /// A part of the run in the closing table.
 struct Phase {
   std::string name;

@@ -31,6 +31,7 @@ struct Summary {
   std::string message;            ///< empty, or why the run failed
   WallSeconds wall_seconds;
   Unknowns unknowns;
+  int hosts = 1; ///< that the ranks are on
   std::int64_t steps = 0, newton_iterations = 0, linear_iterations = 0;
   std::int64_t jacobian_assemblies = 0, factorizations = 0, bonds_broken = 0, relocations = 0;
   std::map<std::string, int> events; ///< counts by event name, see gather_event_counts

@@ -10,6 +10,8 @@
 #include <optional>
 
 namespace pdx::solve {
+struct Step;
+
 /// How a static scene is solved; everything else is PETSc's (-snes_, -ksp_, -pc_, -mg_).
 struct StaticOptions {
   int load_steps = 1;
@@ -20,6 +22,9 @@ struct StaticOptions {
   double rebuild_factor = 1.3;  ///< growth of iterations at which the preconditioner is built anew, see KeepRule
   /// Asked after AfterSolves changed something, before the next solve: throws if the scene can no longer be solved.
   std::function<void()> judge = {};
+  /// Told after each solve of a load that is not quiet, and when a load is given up to be tried with half the
+  /// increment.
+  std::function<void(const Step&)> working = {};
   /// Asked likewise behind that: true if the layout is to change before the next solve.
   std::function<bool()> outgrown = {};
 };
