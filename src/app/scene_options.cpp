@@ -104,8 +104,8 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
   static constexpr const char* corrections[] = {"auto", "none", "volume", "exact"};
   static constexpr const char* operators[] = {"auto", "matrix_free", "assembled"};
   read_patches(o, pd);
-  const GivenOption* trigger = given_option("-adapt_trigger");
-  pd.to_come = trigger && trigger->value != "damage" && given_option("-adapt");
+  if (const auto* trigger = given_option("-adapt_trigger"); given_option("-adapt"))
+    pd.to_come = trigger && trigger->value != "damage";
   pd.cloud = o.text("-pd_cloud", "", "particles that lie anywhere, from a file *.csv or *.h5: position, volume, set");
   pd.horizon = o.real("-pd_horizon", kNone, "m", "horizon of -pd_cloud", Range::positive());
   pd.spacing =
