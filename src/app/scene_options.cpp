@@ -4,7 +4,6 @@
 #include "pdx/app/option_names.hpp"
 #include "pdx/app/patch_mover.hpp"
 #include "pdx/app/seeds.hpp"
-#include "pdx/base/given_options.hpp"
 #include "pdx/base/number.hpp"
 #include "pdx/base/shown.hpp"
 #include "pdx/law/bond.hpp"
@@ -104,8 +103,7 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
   static constexpr const char* corrections[] = {"auto", "none", "volume", "exact"};
   static constexpr const char* operators[] = {"auto", "matrix_free", "assembled"};
   read_patches(o, pd);
-  if (const auto* trigger = given_option("-adapt_trigger"); given_option("-adapt"))
-    pd.to_come = trigger && trigger->value != "damage";
+  pd.to_come = Triggers::are_given();
   pd.cloud = o.text("-pd_cloud", "", "particles that lie anywhere, from a file *.csv or *.h5: position, volume, set");
   pd.horizon = o.real("-pd_horizon", kNone, "m", "horizon of -pd_cloud", Range::positive());
   pd.spacing =

@@ -1,5 +1,6 @@
 #include "pdx/app/time_options.hpp"
 
+#include "pdx/base/given_options.hpp"
 #include "pdx/base/number.hpp"
 #include "pdx/base/options.hpp"
 #include "pdx/base/shown.hpp"
@@ -96,6 +97,12 @@ Triggers read_triggers(Options& o)
   return t;
 }
 } // namespace
+
+bool Triggers::are_given()
+{
+  const GivenOption* trigger = given_option("-adapt_trigger");
+  return trigger && trigger->value != "damage" && given_option("-adapt");
+}
 
 LayoutOptions LayoutOptions::read()
 {

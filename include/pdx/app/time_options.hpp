@@ -36,6 +36,7 @@ struct Triggers {
   double stretch_share = 0.8;  ///< of the critical stretch [-]
   int margin = 2;              ///< cells around
   bool any() const { return connection || stress || stretch; }
+  static bool are_given(); ///< any of them, with -adapt: known before options are read
 };
 
 /// When a scene changes its layout.
