@@ -2,7 +2,7 @@
 """Runs Kalthoff and Winkler's plate at 1 mm and asserts what must hold: both cracks start when the papers' does, turn outwards
 by 60 to 75 degrees, mirror each other and are slower than Rayleigh waves. The same in space, at 2 mm, on 1, 2 and 3 ranks.
 
-usage: check.py [--executable build/release/pdxsolve] [cracks] [initial] [solid]      default: all
+usage: check.py [--executable build/release/pdxsolve] [cracks] [initial] [points] [solid]      default: all
 The environment lets Open MPI run (`. scripts/mpi_env.sh`). Exit status: 0 if all holds, 1 if not.
 """
 
@@ -57,6 +57,19 @@ class Check(case_check.Check):
         self.expect(results["fracture_energy"] == 0.0, "no bond breaks")
         self.expect(results["energy_drift_ratio"] < 0.02, f"energy drift {results['energy_drift_ratio']:.1e}")
 
+    def points(self):
+        """Points that become particles, against particles only at the same step."""
+        short = ["-ts_dt", "5e-8", "-ts_max_time", "50e-6", "-output_interval", "100000"]
+        runs = [self.run("points", 2, short, "points"), self.run("case", 1, short, "particles")]
+        if None in runs:
+            return
+        ours, theirs = (fields.read_summary(run[0])["results"] for run in runs)
+        self.expect_near("start", ours["crack_start_time"], theirs["crack_start_time"], 0.03)
+        gap = abs(abs(ours["crack_angle_degrees"]) - abs(theirs["crack_angle_degrees"]))
+        self.expect(gap <= 3.0, f"angle {abs(ours['crack_angle_degrees']):.1f} degrees: {gap:.1f} beside particles only")
+        self.expect_near("largest speed", ours["max_crack_speed"], theirs["max_crack_speed"], 0.10)
+        self.expect(ours["energy_drift_ratio"] < 1e-3, f"energy drift {ours['energy_drift_ratio']:.1e}")
+
     def solid_damage(self, ranks):
         """Directory, points and damage of the plate in space, in an order that does not depend on the ranks."""
         run = self.run("solid_smoke", ranks)
@@ -88,4 +101,4 @@ class Check(case_check.Check):
 
 
 if __name__ == "__main__":
-    sys.exit(case_check.main(__doc__, Check, ("cracks", "initial", "solid"), "PART"))
+    sys.exit(case_check.main(__doc__, Check, ("cracks", "initial", "points", "solid"), "PART"))

@@ -254,13 +254,13 @@ field::OutputBlock GridBody<Dim>::block(std::span<const double> local, std::span
   for (Eigen::Index i = 0; i < Dim; ++i)
     push_field(block, fmt::format("deformation_{} [-]", "xyz"[i]), field::Rank::vector,
                [&](std::size_t k, Eigen::Index j) { return (i == j ? 1.0 : 0.0) + entry_of<Dim>(strain[k], i, j); });
-  field::OutputField bodies{"body", field::Rank::scalar, false, true, {}},
+  field::OutputField numbers{"body", field::Rank::scalar, false, true, {}},
       owner{"rank", field::Rank::scalar, false, true, {}};
   int rank = 0;
   MPI_Comm_rank(this->system.rows.comm, &rank);
-  for (const Index b : this->grid.body) bodies.values.push_back(b + 1.0);
+  for (const Index b : this->grid.body) numbers.values.push_back(b + 1.0);
   owner.values.assign(place.size(), rank);
-  block.fields.push_back(std::move(bodies));
+  block.fields.push_back(std::move(numbers));
   block.fields.push_back(std::move(owner));
   return block;
 }
