@@ -60,6 +60,7 @@ std::vector<std::string> unknown_options()
 
 void refuse_misspelt(std::string_view message)
 {
+  (void)SceneOptions::read(true); // what would have been read later is no misspelt name
   const std::vector<std::string> unknown = unknown_options();
   const auto in_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-'; };
   for (std::size_t at = message.find('-'); at < message.size(); at = message.find('-', at)) {

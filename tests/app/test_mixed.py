@@ -61,7 +61,8 @@ class Mixed(program.ProgramTest):
         events = self.solve(STRUCK | {"-contact": "none", "-ts_max_time": "2e-6"}).events
         self.assertFalse([name for name in events if name.startswith(("contact_", "adapt_", "pd_break"))])
         alone = {key: value for key, value in STRUCK.items() if not key.startswith("-mpm_")}
-        events = self.solve(alone | {"-ts_max_time": "2e-6"}).events
+        thrown = {"-bc_names": "all", "-bc_all_initial_velocity": "1,0"}
+        events = self.solve(alone | thrown | {"-ts_max_time": "2e-6"}).events
         self.assertFalse([name for name in events if name.startswith(("mpm_", "contact_"))])
 
     def spall(self, options, ranks=1, directory=None):

@@ -167,7 +167,7 @@ class Warnings(program.ProgramTest):
 
     def test_no_contact_is_told(self):
         run = program.Run(*program.finish([program.PROGRAM, "-help"], program.ROOT), self.scratch)
-        self.assertIn("contact between bodies of -mpm_bodies only", run.out)
+        self.assertIn("contact between bodies of a scene with -mpm_bodies only", run.out)
 
 
 if __name__ == "__main__":
