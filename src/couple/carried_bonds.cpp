@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace pdx::couple {
@@ -47,7 +48,51 @@ template <int Dim> void CarriedBonds<Dim>::needed_rows(std::vector<PetscInt>& ro
   rows.insert(rows.end(), points_.all_rows().begin(), points_.all_rows().end());
 }
 
-template <int Dim> void CarriedBonds<Dim>::bind(const field::RowHalo& halo) { points_.bind(halo); }
+template <int Dim> void CarriedBonds<Dim>::bind(const field::RowHalo& halo)
+{
+  points_.bind(halo);
+  fill_lanes();
+}
+
+/// Most bonds go from a particle to a point of an edge or an element, and act where they stretch.
+template <int Dim> void CarriedBonds<Dim>::fill_lanes()
+{
+  lanes_ = {CarriedLanes<Dim>(1), CarriedLanes<Dim>(2), CarriedLanes<Dim>(4)};
+  others_.clear();
+  lanes_revision_ = -1;
+  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+    const CarriedBond<Dim>& bond = bonds_[number];
+    const std::span<const Index> row = points_.rows(bond.a), hosts = points_.rows(bond.b);
+    const bool plain =
+        bond.force_a == bond.a && bond.force_b == bond.b && row.size() == 1 && points_.weights(bond.a)[0] == 1.0;
+    const auto fits = [&](const CarriedLanes<Dim>& lanes) {
+      return hosts.size() <= static_cast<std::size_t>(lanes.width());
+    };
+    const auto of = plain ? std::ranges::find_if(lanes_, fits) : lanes_.end();
+    if (of == lanes_.end())
+      others_.push_back(number);
+    else
+      of->add(number, {row[0], hosts, points_.weights(bond.b), bond.xi});
+  }
+}
+
+/// Stiffness of what is intact, and the limits of those who watch, a little early: whether bonds break is judged one by
+/// one.
+template <int Dim> void CarriedBonds<Dim>::refresh_lanes() const
+{
+  if (lanes_revision_ == revision_) return;
+  lanes_revision_ = revision_;
+  constexpr double kEarly = 1.0 - 1e-12;
+  for (CarriedLanes<Dim>& lanes : lanes_)
+    for (std::size_t k = 0; k < lanes.numbers().size(); ++k) {
+      const std::size_t number = lanes.numbers()[k];
+      const CarriedBond<Dim>& bond = bonds_[number];
+      const bool watched = !limits_.empty() && !bond.no_fail && !gone_[number];
+      lanes.set(k, gone_[number] ? 0.0 : bond.kappa,
+                watched ? kEarly * limits_[static_cast<std::size_t>(bond.patch)]
+                        : std::numeric_limits<double>::infinity());
+    }
+}
 
 template <int Dim>
 Vector<Dim> CarriedBonds<Dim>::stretch_vector(const CarriedBond<Dim>& bond, std::span<const double> d) const
@@ -64,8 +109,14 @@ template <int Dim>
 law::BondState<Dim> CarriedBonds<Dim>::state_of(std::size_t number, std::span<const double> d,
                                                 pd::Kinematics kinematics) const
 {
+  return state_of(number, stretch_vector(bonds_[number], d), kinematics);
+}
+
+template <int Dim>
+law::BondState<Dim> CarriedBonds<Dim>::state_of(std::size_t number, const Vector<Dim>& eta,
+                                                pd::Kinematics kinematics) const
+{
   const Rest& rest = rest_[number];
-  const Vector<Dim> eta = stretch_vector(bonds_[number], d);
   if (kinematics == pd::Kinematics::finite) return law::finite_state<Dim>(bonds_[number].xi, rest.length, eta);
   return {rest.along.dot(eta) / rest.length, rest.along, 0.0};
 }
@@ -74,22 +125,39 @@ template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> 
 {
   static Event event("couple_force");
   Timed timed(event);
-  points_.spread(u, spread_);
-  forces_.assign(spread_.size(), 0.0);
+  refresh_lanes();
   overstretched_seen_ = false;
-  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+  for (const CarriedLanes<Dim>& lanes : lanes_)
+    if (lanes.add_forces(processor_, kinematics_ == pd::Kinematics::finite, u, rows_.owned(), r))
+      overstretched_seen_ = true;
+  for (const std::size_t number : others_) {
     if (gone_[number]) continue;
     const CarriedBond<Dim>& bond = bonds_[number];
-    const law::BondState<Dim> state = state_of(number, spread_, kinematics_);
+    const Vector<Dim> eta = displacement(bond.b, u) - displacement(bond.a, u);
+    const law::BondState<Dim> state = state_of(number, eta, kinematics_);
     if (!limits_.empty() && !bond.no_fail && state.stretch > limits_[static_cast<std::size_t>(bond.patch)])
       overstretched_seen_ = true;
     const Vector<Dim> force = bond.kappa * state.stretch * state.direction;
-    for (std::size_t k = 0; k < Dim; ++k) {
-      forces_[static_cast<std::size_t>(bond.force_a) * Dim + k] -= force[static_cast<Eigen::Index>(k)];
-      forces_[static_cast<std::size_t>(bond.force_b) * Dim + k] += force[static_cast<Eigen::Index>(k)];
-    }
+    add_force(bond.force_a, -force, r);
+    add_force(bond.force_b, force, r);
   }
-  points_.collect(forces_, rows_.owned(), r);
+}
+
+template <int Dim> Vector<Dim> CarriedBonds<Dim>::displacement(Index point, std::span<const double> u) const
+{
+  Vector<Dim> d = Vector<Dim>::Zero();
+  const std::span<const Index> rows = points_.rows(point);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    d += points_.weights(point)[k] * Eigen::Map<const Vector<Dim>>(&u[static_cast<std::size_t>(rows[k]) * Dim]);
+  return d;
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_force(Index point, const Vector<Dim>& force, std::span<double> r) const
+{
+  const std::span<const Index> rows = points_.rows(point);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    if (rows[k] < rows_.owned())
+      Eigen::Map<Vector<Dim>>(&r[static_cast<std::size_t>(rows[k]) * Dim]) += points_.weights(point)[k] * force;
 }
 
 /// A bond that several ranks evaluate is counted by the owner of the first row at its first end.
@@ -245,6 +313,7 @@ void CarriedBonds<Dim>::note_force(std::size_t number, pd::Kinematics kinematics
 template <int Dim> void CarriedBonds<Dim>::watch(std::span<const pd::BreakRule> rules)
 {
   limits_.clear();
+  lanes_revision_ = -1;
   for (const pd::BreakRule& rule : rules) limits_.push_back(rule.critical_stretch);
 }
 

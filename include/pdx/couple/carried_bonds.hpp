@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/couple/carried_kernel.hpp"
 #include "pdx/couple/carried_points.hpp"
 #include "pdx/field/force_loss.hpp"
 #include "pdx/field/term.hpp"
@@ -90,6 +91,11 @@ private:
     Vector<Dim> along; ///< unit vector
     double length;     ///< [m]
   };
+  void fill_lanes();
+  Vector<Dim> displacement(Index point, std::span<const double> u) const;
+  void add_force(Index point, const Vector<Dim>& force, std::span<double> r) const; ///< on owned rows
+  law::BondState<Dim> state_of(std::size_t number, const Vector<Dim>& eta, pd::Kinematics kinematics) const;
+  void refresh_lanes() const;
   law::BondState<Dim> state_of(std::size_t number, std::span<const double> d, pd::Kinematics kinematics) const;
   bool counted(const CarriedBond<Dim>& bond) const { return points_.rows(bond.a).front() < rows_.owned(); }
   /// Calls visit(number, stretch) for the intact bonds that a rule breaks at u.
@@ -110,6 +116,10 @@ private:
   std::vector<double> state_;  // displacement of the points at the last linearisation
   std::vector<double> limits_; // per patch, of the stretch; empty: nobody watches [-]
   mutable bool overstretched_seen_ = false;
-  mutable std::vector<double> spread_, forces_;
+  mutable std::vector<double> spread_;
+  mutable std::vector<CarriedLanes<Dim>> lanes_; // of bonds from a row to few rows
+  std::vector<std::size_t> others_;              // numbers of those in no lanes
+  mutable std::int64_t lanes_revision_ = -1;     // that lanes know
+  Processor processor_ = chosen_processor();
 };
 } // namespace pdx::couple
