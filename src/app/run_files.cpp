@@ -163,7 +163,7 @@ void RunFiles::started()
     if (kept && fields->fresh()) warn("fields.h5 was cut off while it was written: put aside as fields_before.h5");
   }
   write_record(comm_, options);
-  summary.wall_seconds.setup = MPI_Wtime() - begin_;
+  summary.wall_seconds.setup = MPI_Wtime() - begin_ - solved_before;
   summary.memory_mb["before_solve"] = io::resident_memory_mb();
 }
 

@@ -125,12 +125,16 @@ private:
     if (options.post.reference_fe) {
       cover_cells(ground_->mesh, ground_->plan, ground_->mesh_options, options.frame); // refuses wrong patches first
       ground_->mesh.uncover();
+      const double begin = MPI_Wtime();
       prior_.reference = reference_displacement(ground_->mesh, options);
+      files_.solved_before += MPI_Wtime() - begin;
     }
     ground_->lay_particles();
     if (!options.post.energy_release) return;
     const PauseCounts pause;
+    const double begin = MPI_Wtime();
     prior_.energy_release = energy_release(ground_->mesh, options, ground_->plan, ground_->particles, assembled_);
+    files_.solved_before += MPI_Wtime() - begin;
     cover_cells(ground_->mesh, ground_->plan, options.mesh);
   }
 

@@ -1,5 +1,6 @@
 #include "pdx/app/scene_warnings.hpp"
 
+#include "pdx/app/cloud_body.hpp"
 #include "pdx/app/solid.hpp"
 
 #include <algorithm>
@@ -87,6 +88,19 @@ template <int Dim> std::string family(const pd::Stencil<Dim>& stencil)
                      stencil.horizon / stencil.dx, stencil.dx);
 }
 
+/// Entries of the neighbour lists of a cloud, this rank: each bond stands in two.
+std::int64_t entries(const CloudModel& cloud)
+{
+  if (const auto* plane = dynamic_cast<const CloudBody<2>*>(&cloud)) return plane->bonds->part().bonds();
+  const auto* space = dynamic_cast<const CloudBody<3>*>(&cloud);
+  return space ? space->bonds->part().bonds() : 0;
+}
+
+const char* unbroken(const SceneOptions& options)
+{
+  return options.fracture.active() ? "" : "; none breaks (no -material_toughness)";
+}
+
 std::int64_t sum(MPI_Comm comm, std::int64_t mine)
 {
   MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_INT64_T, MPI_SUM, comm);
@@ -139,12 +153,18 @@ std::string bonds_line(MPI_Comm comm, const SceneOptions& options, const Standin
   } else if (scene.solid) {
     bonds = sum(comm, scene.solid->bonds->bonds());
     for (const auto& part : scene.solid->bonds->parts()) families.push_back(family(part->stencil()));
+  } else if (scene.cloud) {
+    const std::int64_t all = sum(comm, entries(*scene.cloud));
+    const std::int64_t particles = sum(comm, static_cast<std::int64_t>(scene.cloud->particles.size()));
+    return fmt::format("bonds: {} between particles within {:.6g} m, {:.1f} for each in the mean{}", all / 2,
+                       options.pd.horizon, static_cast<double>(all) / static_cast<double>(particles),
+                       unbroken(options));
   } else
     return {};
   std::ranges::sort(families);
-  families.erase(std::ranges::unique(families).begin(), families.end());
+  families.erase(std::unique(families.begin(), families.end()), families.end());
   return fmt::format("bonds: {} between particles{}; a full family has {}{}", bonds,
                      carried > 0 ? fmt::format(", {} to elements", carried) : "", fmt::join(families, " or "),
-                     options.fracture.active() ? "" : "; none breaks (no -material_toughness)");
+                     unbroken(options));
 }
 } // namespace pdx::app

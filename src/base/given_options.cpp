@@ -17,17 +17,28 @@ Store& store()
 
 bool in_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-'; }
 
-/// The first given option that the beginning of a message, before its colon, names.
+/// The first given option of something, -bc_left_on of "-bc_left"; null: there is none.
+const GivenOption* option_of(std::string_view stem)
+{
+  const auto found = store().lower_bound(std::string(stem) + "_");
+  return stem.size() > 1 && found != store().end() && found->first.starts_with(std::string(stem) + "_") ? &found->second
+                                                                                                        : nullptr;
+}
+
+/// The first given option that the beginning of a message, before its colon, names, or that belongs to what it names.
 const GivenOption* named_in(std::string_view message)
 {
   message = message.substr(0, message.find(": "));
+  const GivenOption* near = nullptr;
   for (std::size_t at = message.find('-'); at != std::string_view::npos; at = message.find('-', at + 1)) {
     std::size_t end = at;
     while (end < message.size() && in_name(message[end])) ++end;
-    if (const GivenOption* option = given_option(message.substr(at, end - at))) return option;
+    const std::string_view name = message.substr(at, end - at);
+    if (const GivenOption* option = given_option(name)) return option;
+    if (!near && name.find('_') < name.size()) near = option_of(name);
     at = std::max(at, end - 1);
   }
-  return nullptr;
+  return near;
 }
 
 /// Does a message hold this word, nothing of a word before or behind it?

@@ -58,6 +58,6 @@ int host_count(MPI_Comm comm)
 {
   std::vector<HostName> all = gather_all(comm, std::vector<HostName>{host_name()});
   std::ranges::sort(all);
-  return static_cast<int>(std::ranges::unique(all).begin() - all.begin());
+  return static_cast<int>(std::unique(all.begin(), all.end()) - all.begin());
 }
 } // namespace pdx::io

@@ -45,7 +45,7 @@ class Cases(program.ProgramTest):
         in_time = says(path, "-analysis", "explicit") or says(path, "-analysis", "implicit")
         options = {"-options_file": str(path), **(IN_TIME if in_time else AT_REST), "-quiet": ""}
         words = [*program.words_of(options), "-output_dir", str(directory)]
-        with subprocess.Popen([program.PROGRAM, *words], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+        with subprocess.Popen([*program.ALONE, program.PROGRAM, *words], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                               stderr=subprocess.PIPE, text=True, cwd=program.ROOT) as process:
             end = time.monotonic() + program.TIMEOUT
             stands = directory / "history.csv"

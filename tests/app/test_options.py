@@ -100,6 +100,8 @@ CASES = [
     plate("an unknown name", "-mesh_lower 0,0\n-mesh_cels 1", r"^error: case\.opts, line 2: -mesh_cels is no option.*-mesh_cells"),
     plate("a name in capitals", "-MESH_LOWER 0,0\n-mesh_lower 0,0", AT + r"-MESH_LOWER is no option.*did you mean -mesh_lower"),
     plate("a place that does not exist", "-mesh_lower 0,0\n-bc_left_box 5,5,6,6", r"^error: case\.opts, line 2: -bc_left_box\b"),
+    Case("nothing of a condition's", "-bc_none_on top\n" + PLATE.replace("left,right", "left,right,none"),
+         AT + "-bc_none: nothing is prescribed"),
     # --- files
     Case("no option at all", "", r"^error: there is no mesh: give"),
     Case("an empty file beside others", PLATE, None, ("-options_file", "empty.opts", "-options_file", "case.opts"),

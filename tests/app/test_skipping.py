@@ -62,6 +62,9 @@ class Rooms(program.ProgramTest):
     def test_reference_solution_is_not_counted(self):
         plain = self.solve(SMALL_PATCH)
         compared = self.solve(SMALL_PATCH | {"-post_reference_fe": ""})
+        before, wall = compared.summary["results"]["seconds_solved_before"], compared.summary["wall_seconds"]
+        self.assertGreater(before, 0)  # a phase of its own, not set-up
+        self.assertLess(wall["setup"] + before, wall["total"])
         self.assertEqual(plain.events, compared.events)
         self.assertIn("max_relative_error_percent", compared.summary["results"])
         self.assertNotIn("max_relative_error_percent", plain.summary["results"])

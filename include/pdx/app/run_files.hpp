@@ -85,6 +85,7 @@ public:
   const SceneOptions& options;
   Standing scene;
   Continued continued;              ///< to be set before `started`
+  double solved_before = 0.0;       ///< seconds of solves beside the scene's own: reference, energy release [s]
   double layout_seconds = 0.0;      ///< that changes of layout took [s]
   std::span<const double> velocity; ///< of owned components, in time; for fields [m/s]
   io::Progress progress;
