@@ -53,9 +53,9 @@ template <int Dim> void GridMotion<Dim>::lay_grid()
     }
     any = true;
   }
-  for (std::size_t d = 0; d < Dim; ++d) {
-    --lower[d];
-    ++upper[d];
+  for (std::size_t d = 0; d < Dim; ++d) { // along x whole vectors, as blocks of cells are
+    lower[d] -= d == 0 ? PointLanes<Dim>::kLanes : 1;
+    upper[d] += d == 0 ? PointLanes<Dim>::kLanes : 1;
   }
   nodes_ = GridNodes<Dim>(comm_, lower, upper);
 }
