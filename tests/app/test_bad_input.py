@@ -484,6 +484,8 @@ CASES = [
     points("traction on a grid made anew", r"-bc_left_traction\b.*-bc_left_body", mpm_formulation="updated", bc_left_traction="1,0"),
     points("jump on a grid made anew", r"-bc_left_displacement is 0\.1 at once\b.*-bc_left_velocity", mpm_formulation="updated",
            bc_left_on="left", bc_left_displacement="0.1,0"),
+    points("bodies far apart on one grid", r"-mpm_bodies: .*too far apart.*-mpm_formulation total", mpm_formulation="updated",
+           mpm_two_box="1e5,1e5,100000.8,100000.4"),
     points("shape of a kept grid", r"-mpm_shape\b.*-mpm_formulation updated", mpm_shape="gimp"),
     points("shape that is not there", r"-mpm_shape\b.*splin.*bspline", mpm_formulation="updated", mpm_shape="splin"),
     points("negative viscosity", r"-mpm_bulk_viscosity\b.*-0\.1\b", mpm_bulk_viscosity="-0.1"),
