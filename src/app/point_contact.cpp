@@ -1,5 +1,9 @@
 #include "pdx/app/point_body.hpp"
+#include "pdx/base/gather.hpp"
 #include "pdx/couple/contact_books.hpp"
+
+#include <algorithm>
+#include <utility>
 
 namespace pdx::app {
 namespace {
@@ -74,6 +78,44 @@ template <int Dim> void add_contact(const SceneOptions& options, PointBody<Dim>&
   body.system.terms.push_back(std::move(term));
   body.system.after_step.push_back(std::move(books));
 }
+
+template <int Dim> std::optional<NamedGrips> PointBody<Dim>::grips() const
+{
+  if (!contact || contact->law().options().friction == 0.0) return std::nullopt;
+  auto all = gather_all(system.rows.comm, contact->grips());
+  std::ranges::sort(all, {}, [](const auto& grip) { return std::pair(grip.point, grip.body); });
+  NamedGrips named;
+  for (const couple::NamedGrip<Dim>& grip : all) {
+    named.names.insert(named.names.end(), {grip.point, grip.body});
+    named.names.insert(named.names.end(), grip.points.begin(), grip.points.end());
+    named.numbers.insert(named.numbers.end(), grip.weights.begin(), grip.weights.end());
+    named.numbers.push_back(grip.stretch);
+  }
+  return named;
+}
+
+template <int Dim> void PointBody<Dim>::set_grips(const NamedGrips& named) const
+{
+  if (!contact) return;
+  std::vector<couple::NamedGrip<Dim>> all(named.names.size() / (2 + Dim));
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const std::uint64_t* names = named.names.data() + k * (2 + Dim);
+    const double* numbers = named.numbers.data() + k * (1 + Dim);
+    all[k].point = names[0];
+    all[k].body = names[1];
+    std::copy_n(names + 2, Dim, all[k].points.begin());
+    std::copy_n(numbers, Dim, all[k].weights.begin());
+    all[k].stretch = numbers[Dim];
+  }
+  contact->set_grips(all);
+}
+
+#define PDX_INSTANTIATE(Dim)                                                                                           \
+  template std::optional<NamedGrips> PointBody<Dim>::grips() const;                                                    \
+  template void PointBody<Dim>::set_grips(const NamedGrips&) const
+PDX_INSTANTIATE(2);
+PDX_INSTANTIATE(3);
+#undef PDX_INSTANTIATE
 template void add_contact<2>(const SceneOptions&, PointBody<2>&);
 template void add_contact<3>(const SceneOptions&, PointBody<3>&);
 } // namespace pdx::app

@@ -496,7 +496,6 @@ CASES = [
            bc_left_on="right"),
     points("box beside points", r"-bc_left_box\b.*no node", bc_left_on=None, bc_left_box="7,7,8,8"),
     points("stiffness without contact", r"-contact_stiffness\b.*-contact none", contact="none", contact_stiffness="1e9"),
-    points("friction and a checkpoint", r"-contact_friction\b.*checkpoints", contact_friction="0.3", checkpoint_interval="2"),
     points("points of a file off their lattice", r"-mpm_two_file\b.*point 1\b.*0\.07 m", mpm_two_box=None, mpm_two_file="{dir}/good.csv",
            mpm_two_spacing="0.07"),
     plate("spacing of points that are not there", r"-mpm_spacing\b.*-mpm_bodies", mpm_spacing="0.1"),
