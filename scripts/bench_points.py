@@ -14,6 +14,12 @@ SIZES = {
                                    [*BODY, "-material_plane", "solid", "-mpm_body_box", "0,0,0,0.08,0.08,0.08",
                                     "-mpm_body_spin", "10,20,30"]),
 }
+GRIDS = {
+    "plane, 320 x 320 points": ("grid320", 320**2, 300, [*BODY, "-mpm_body_box", "0,0,0.32,0.32", "-mpm_body_velocity", "20,0"]),
+    "space, 48 x 48 x 48 points": ("grid48cube", 48**3, 60,
+                                   [*BODY, "-material_plane", "solid", "-mpm_body_box", "0,0,0,0.048,0.048,0.048",
+                                    "-mpm_body_velocity", "20,0,0"]),
+}
 
 
 def processor():
@@ -24,7 +30,30 @@ def processor():
 
 class PointBench(Bench):
     def points(self):
-        """`total`: forces against a plain scatter and a whole step, interleaved; steps of the program on 1 and 2 ranks."""
+        """Both formulations, interleaved with plain loops that scatter; steps of the program on 1 and 2 ranks."""
+        self.total()
+        self.updated()
+
+    def updated(self):
+        """`updated`: a whole step of lanes with each shape function against a plain loop with hats."""
+        rates = self.kernel_rates("bench_grid_points", "grid(320|48cube)/")
+        rows = []
+        for name, (size, points, steps, scene) in GRIDS.items():
+            seconds = self.seconds_of_steps([*scene, "-mpm_formulation", "updated", "-ts_safety", "0.3", "-ts_max_steps",
+                                             str(steps)])
+            rate = {kernel: rates[f"{size}/{kernel}"] for kernel in ("hat", "gimp", "bspline", "plain_scatter")}
+            whole = points * steps / seconds["core"]
+            self.results[f"points updated {name}"] = {"kernels": rate, "program": whole, "seconds": seconds}
+            rows.append([name, *(f"{rate[kernel] / 1e6:.0f}" for kernel in ("hat", "gimp", "bspline")),
+                         f"**{rate['hat'] / KARAMELO:.0f}** (goal 20)",
+                         f"**{rate['hat'] / rate['plain_scatter']:.1f}** (goal 3.5)", f"{whole / 1e6:.0f}",
+                         f"{rate['hat'] / whole:.2f} (goal 1.3)", f"**{seconds[1] / seconds[2]:.2f}** (goal 1.8)"])
+        self.table(f"Material points, updated, MUSL, 4 or 8 a cell, million point-steps/s of a core ({processor()})",
+                   ["body", "hats", "uGIMP", "B-splines", "hats over Karamelo", "hats over a plain scatter",
+                    "steps of the program, hats", "over its lanes", "2 ranks over 1"], rows)
+
+    def total(self):
+        """`total`: forces against a plain scatter and a whole step."""
         rates = self.kernel_rates("bench_point_kernel", "(plate700|cube60)_ratio2/(runs|plain_scatter|whole_step|viscous)$")
         rows = []
         for name, (size, points, steps, scene) in SIZES.items():

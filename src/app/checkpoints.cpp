@@ -192,6 +192,7 @@ void Checkpoints::begin(const Standing& scene, const Layout& layout, solve::Time
   const bool strange = cracks && recorder.cracks() && !recorder.cracks()->knows(*cracks);
   from_->require("/crack_arrivals", strange ? "names a particle that is not there" : "");
   move.break_bonds();
+  move.hold_grips();
   driver.resume(clock, move.moving());
   if (cracks && recorder.cracks()) recorder.cracks()->take_notes(std::move(*cracks));
   from_.reset();

@@ -1,7 +1,7 @@
 #include "grid_body.hpp"
 
 #include "pdx/app/thrown_bodies.hpp"
-
+#include "pdx/base/error.hpp"
 #include "pdx/base/stop_signals.hpp"
 #include "pdx/mesh/gmsh.hpp"
 
@@ -171,7 +171,13 @@ GridBody<Dim>::GridBody(const SceneOptions& options, const PointPlan<Dim>& fille
   for (auto& of_body : points_of)
     for (mpm::GridPoint<Dim>& p : of_body)
       for (std::size_t d = 0; d < Dim; ++d) p.v[static_cast<Eigen::Index>(d)] = v[row++];
-  motion = std::make_unique<mpm::GridMotion<Dim>>(mesh.comm(), rule, origin, materials, std::move(points_of));
+  try {
+    motion = std::make_unique<mpm::GridMotion<Dim>>(mesh.comm(), rule, origin, materials, std::move(points_of));
+  } catch (const SolverFailure& failure) {
+    throw UserError(fmt::format("-mpm_bodies: {}, with cells {:g} m wide: put the bodies nearer to each other, or give "
+                                "-mpm_formulation total",
+                                failure.what(), rule.side));
+  }
   apply_conditions<Dim>(options, *this);
   this->system.terms.push_back(std::make_unique<GridTerm<Dim>>(*this));
   this->system.steps = std::make_unique<GridSteps<Dim>>(*this);

@@ -1,5 +1,6 @@
 #include "pdx/app/mixed_points.hpp"
 
+#include "pdx/app/contact_grips.hpp"
 #include "pdx/app/seeds.hpp"
 #include "pdx/app/thrown_bodies.hpp"
 #include "pdx/base/gather.hpp"
@@ -389,4 +390,7 @@ void Discretisation::resume_sums(std::span<const double> sums) const
 {
   if (contact_books) contact_books->resume(sums);
 }
+
+std::optional<NamedGrips> Discretisation::grips() const { return named_grips<2>(system.rows.comm, contact); }
+void Discretisation::set_grips(const NamedGrips& named) const { hold_grips<2>(contact, named); }
 } // namespace pdx::app

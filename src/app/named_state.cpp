@@ -94,6 +94,7 @@ NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const
   const SceneNames names(scene);
   NamedState state = what_is_owned(scene, names);
   state.moving = driver.state();
+  state.grips = scene.model->grips();
   if (cracks) state.cracks = named(*cracks, names);
   return state;
 }
@@ -131,6 +132,9 @@ Misfit StateMove::misfit_of() const
     return {"/gone_bonds", fmt::format("has {} words a particle: must be {}", state_.words_per_particle, width)};
   if (breaks(scene_) && scene_.d && scene_.d->carried && !state_.carried)
     return {"/broken_carried_bonds", "is missing"};
+  if (state_.grips && state_.grips->names.size() * static_cast<std::size_t>(state_.dim + 1) !=
+                          state_.grips->numbers.size() * static_cast<std::size_t>(state_.dim + 2))
+    return {"/grips", "has other rows than the names"};
   if (!state_.cracks) return {};
   const auto particle = [](field::RowName name) { return name.kind() == field::RowName::Kind::particle; };
   if (!std::ranges::all_of(state_.cracks->arrivals, particle)) return {"/crack_arrivals", "names what is no particle"};
@@ -250,6 +254,11 @@ Dormant StateMove::dormant() const
     kept.gone.insert(kept.gone.end(), words.begin(), words.end());
   }
   return kept;
+}
+
+void StateMove::hold_grips() const
+{
+  if (state_.grips) scene_.model->set_grips(*state_.grips);
 }
 
 field::State StateMove::moving() const

@@ -1,5 +1,10 @@
+#include "pdx/app/contact_grips.hpp"
 #include "pdx/app/point_body.hpp"
+#include "pdx/base/gather.hpp"
 #include "pdx/couple/contact_books.hpp"
+
+#include <algorithm>
+#include <utility>
 
 namespace pdx::app {
 namespace {
@@ -74,6 +79,18 @@ template <int Dim> void add_contact(const SceneOptions& options, PointBody<Dim>&
   body.system.terms.push_back(std::move(term));
   body.system.after_step.push_back(std::move(books));
 }
+
+template <int Dim> std::optional<NamedGrips> PointBody<Dim>::grips() const
+{
+  return named_grips<Dim>(system.rows.comm, contact);
+}
+
+template <int Dim> void PointBody<Dim>::set_grips(const NamedGrips& named) const { hold_grips<Dim>(contact, named); }
+
+template std::optional<NamedGrips> PointBody<2>::grips() const;
+template std::optional<NamedGrips> PointBody<3>::grips() const;
+template void PointBody<2>::set_grips(const NamedGrips&) const;
+template void PointBody<3>::set_grips(const NamedGrips&) const;
 template void add_contact<2>(const SceneOptions&, PointBody<2>&);
 template void add_contact<3>(const SceneOptions&, PointBody<3>&);
 } // namespace pdx::app

@@ -307,10 +307,6 @@ void judge_points(const SceneOptions& s)
         "-analysis implicit has no contact between bodies of points: give -analysis explicit, or -contact none");
   if (s.time.analysis == Analysis::implicit_dynamics && s.points.viscosity > 0.0)
     throw UserError("-mpm_bulk_viscosity is of explicit steps: give -analysis explicit, or drop it");
-  if (s.points.contact.friction > 0.0 && s.time.checkpoint.any())
-    throw UserError(
-        "-contact_friction remembers where points stick, which checkpoints do not hold yet: drop -checkpoint_... "
-        "and -restart");
   for (const BoundaryCondition& c : s.conditions) judge_condition(s, c);
 }
 } // namespace pdx::app

@@ -211,6 +211,7 @@ private:
     const StateMove move(state, scene_->standing(), moves);
     move.require_fit();
     move.break_bonds();
+    move.hold_grips();
     dormant_ = move.dormant();
     if (moves) {
       field::State moving = move.moving();

@@ -15,6 +15,8 @@
 namespace pdx::app {
 namespace {
 constexpr const char* kInner = "/inner";
+constexpr const char* kGripNames = "/grip_names";
+constexpr const char* kGrips = "/grips";
 constexpr const char* kRows = "/row_names";
 constexpr const char* kWords = "/gone_bonds";                 // of each particle, a bit for each bond it had
 constexpr const char* kArrivals = "/crack_arrivals";          // name, look
@@ -175,6 +177,12 @@ void SceneTables::write(io::Hdf5File& file, const NamedState& state) const
     const std::span<const std::uint64_t> all(*state.carried);
     file.dataset(kCarried, all.first(first ? all.size() : 0), 1);
   }
+  if (state.grips) {
+    const std::span<const std::uint64_t> grip_names(state.grips->names);
+    const std::span<const double> numbers(state.grips->numbers);
+    file.dataset(kGripNames, grip_names.first(first ? grip_names.size() : 0), state.dim + 2);
+    file.dataset(kGrips, numbers.first(first ? numbers.size() : 0), state.dim + 1);
+  }
   if (state.cracks) write_cracks(file, *state.cracks, *particle_order_, first);
 }
 
@@ -258,6 +266,14 @@ NamedState read_tables(MPI_Comm comm, const io::SealedReader& file, int dim)
     file.read(kCarried, 0, 1, std::span<std::uint64_t>(names));
     file.require(kCarried, std::ranges::is_sorted(names) ? "" : "is not in order");
     state.carried = std::move(names);
+  }
+  if (file.has(kGrips)) {
+    NamedGrips grips;
+    grips.names.resize(static_cast<std::size_t>(file.shape(kGripNames)[0]) * static_cast<std::size_t>(dim + 2));
+    grips.numbers.resize(static_cast<std::size_t>(file.shape(kGrips)[0]) * static_cast<std::size_t>(dim + 1));
+    file.read(kGripNames, 0, dim + 2, std::span<std::uint64_t>(grips.names));
+    file.read(kGrips, 0, dim + 1, std::span<double>(grips.numbers));
+    state.grips = std::move(grips);
   }
   if (file.has(kArrivals)) state.cracks = read_cracks(comm, file, particles);
   return state;

@@ -84,9 +84,10 @@ template <int Dim, class Law> struct SumEnergies {
 } // namespace
 
 void settle_nodes(Processor processor, std::span<const double> mass, double point, double step, double* momentum,
-                  double* force, bool is_velocity)
+                  double* force, bool is_velocity, bool spare)
 {
-  run_on(processor, SettleNodes{mass, kNoMass * point, kSmallMass * point, step, momentum, force, is_velocity});
+  run_on(processor, SettleNodes{mass, kNoMass * point, (spare ? kSmallMass : kNoMass) * point, step, momentum, force,
+                                is_velocity});
 }
 
 template <int Dim>

@@ -8,6 +8,8 @@
 namespace pdx::mpm {
 constexpr int grid_power(int base, int exponent) { return exponent == 0 ? 1 : base * grid_power(base, exponent - 1); }
 
+inline constexpr double kLaneNumbers[] = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0};
+
 /// Some lanes of a block.
 template <int W, int Dim> struct SomeLanes {
   using Points = PointLanes<Dim>;
@@ -17,14 +19,19 @@ template <int W, int Dim> struct SomeLanes {
   int slots = 0;
 
   PDX_INLINE SomeLanes(const typename Points::Block& of, int from)
-      : block(of), lane(from), counts(load<W>(of.counts + from))
+      : block(of), lane(from), counts(load<W>(of.counts + from)),
+        cell(load<W>(kLaneNumbers + from) + static_cast<double>(of.cell[0])), slots(of.slots)
   {
-    for (int l = 0; l < W; ++l) {
-      cell[l] = of.cell[0] + from + l;
-      slots = std::max(slots, static_cast<int>(counts[l]));
-    }
+    if constexpr (W == Points::kLanes) return;
+    double most = 0.0;
+    for (int l = 0; l < W; ++l) most = std::max(most, counts[l]);
+    slots = static_cast<int>(most);
   }
-  PDX_INLINE typename Simd<W>::Mask live(int slot) const { return counts > Lanes<W>{} + static_cast<double>(slot); }
+  /// 1 where there is a point, else 0: numbers, for which all widths have instructions.
+  PDX_INLINE Lanes<W> live(int slot) const
+  {
+    return counts > Lanes<W>{} + static_cast<double>(slot) ? Lanes<W>{} + 1.0 : Lanes<W>{};
+  }
   /// Place in its cell along an axis.
   PDX_INLINE Lanes<W> within(int d, Lanes<W> at) const
   {

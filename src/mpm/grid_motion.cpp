@@ -2,6 +2,7 @@
 
 #include "pdx/base/error.hpp"
 #include "pdx/base/events.hpp"
+#include "pdx/base/gather.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,10 @@
 
 namespace pdx::mpm {
 namespace {
-constexpr double kOnNode = 1e-9; // of a cell
+constexpr double kOnNode = 1e-9;       // of a cell
+constexpr double kMostNodes = 1 << 23; // of a rank: beyond that memory is short
+constexpr double kNodesPerPoint = 16.0;
+constexpr const char* kTooFar = "material points are too far apart for one grid";
 
 /// Numbers of cells begin where a point sees other nodes.
 double begin_of(Shape shape) { return shape == Shape::hat ? 0.0 : -0.5; }
@@ -33,7 +37,13 @@ void GridMotion<Dim>::resume(std::vector<std::vector<GridPoint<Dim>>> points, do
 {
   time_ = time;
   points_.clear();
-  for (auto& of_body : points) points_.emplace_back(begin_of(rule_.shape), std::move(of_body));
+  bool far = false;
+  try {
+    for (auto& of_body : points) points_.emplace_back(begin_of(rule_.shape), std::move(of_body));
+  } catch (const SolverFailure&) {
+    far = true;
+  }
+  if (any_rank(comm_, far)) throw SolverFailure(kTooFar);
   work_ = work;
   lay_grid();
 }
@@ -53,10 +63,14 @@ template <int Dim> void GridMotion<Dim>::lay_grid()
     }
     any = true;
   }
-  for (std::size_t d = 0; d < Dim; ++d) {
-    --lower[d];
-    ++upper[d];
+  for (std::size_t d = 0; d < Dim; ++d) { // along x whole vectors, as blocks of cells are
+    lower[d] -= d == 0 ? PointLanes<Dim>::kLanes : 1;
+    upper[d] += d == 0 ? PointLanes<Dim>::kLanes : 1;
   }
+  double nodes = 1.0, all = 0.0;
+  for (std::size_t d = 0; d < Dim; ++d) nodes *= static_cast<double>(upper[d]) - lower[d] + 1.0;
+  for (const PointLanes<Dim>& points : points_) all += static_cast<double>(points.size());
+  if (any_rank(comm_, nodes > std::max(kMostNodes, kNodesPerPoint * all))) throw SolverFailure(kTooFar);
   nodes_ = GridNodes<Dim>(comm_, lower, upper);
 }
 
@@ -94,7 +108,7 @@ template <int Dim> void GridMotion<Dim>::settle_velocity(bool momentum, bool for
   const NodeView<Dim>& view = nodes_.view();
   for (std::size_t d = 0; d < Dim; ++d)
     settle_nodes(processor_, nodes_.mass(), point_mass_, kick, view.velocity[d], force ? view.pull[d] : nullptr,
-                 !momentum);
+                 !momentum, rule_.order == Order::usl);
 }
 
 template <int Dim> void GridMotion<Dim>::hold_nodes(double time, double kick, bool force, bool brought)

@@ -30,11 +30,11 @@ template <int W, int Dim, class Shape, class Law, bool Momentum, bool Force> str
       Lanes<W> at[Dim];
       load_numbers<W, Dim>(numbers, at);
       const Weights<W, Dim, Shape> weights(shape, lanes, at);
-      const auto live = lanes.live(s);
+      const Lanes<W> live = lanes.live(s);
       if constexpr (Momentum) {
         Lanes<W> v[Dim];
         load_numbers<W, Dim>(numbers + Dim * PointLanes<Dim>::kLanes, v);
-        const Lanes<W> here = live ? Lanes<W>{} + mass : Lanes<W>{};
+        const Lanes<W> here = live * mass;
         PDX_UNROLL
         for (int k = 0; k < kNodes; ++k) {
           const Lanes<W> share = here * weights.value(k);
@@ -43,7 +43,7 @@ template <int W, int Dim, class Shape, class Law, bool Momentum, bool Force> str
           for (int d = 0; d < Dim; ++d) p[d][k] += share * v[d];
         }
       }
-      if constexpr (Force) add_force(numbers, live ? Lanes<W>{} + volume : Lanes<W>{}, weights, f);
+      if constexpr (Force) add_force(numbers, live * volume, weights, f);
     }
     const std::ptrdiff_t first = first_node<Dim, Shape>(nodes, lanes.block.cell, lanes.lane);
     if constexpr (Momentum) add_all<W, Dim, kReach>(m, nodes, nodes.mass + first);
@@ -97,11 +97,14 @@ template <int W, int Dim, class Shape, bool Velocity, bool Brings, bool Strain, 
 
   PDX_INLINE void all() const
   {
+    Lanes<W> gone[Dim] = {};
     for (auto& block : points.blocks())
       for (int lane = 0; block.slots && lane < kLanes; lane += W) {
         const SomeLanes<W, Dim> lanes(block, lane);
-        if (lanes.slots && some(lanes)) block.crossed = 1;
+        if (lanes.slots && some(lanes, gone)) block.crossed = 1;
       }
+    for (int d = 0; d < Dim; ++d)
+      for (int l = 0; l < W; ++l) way[d] += gone[d][l];
   }
 
 private:
@@ -114,12 +117,12 @@ private:
         to[d][k] = load<W>(from[static_cast<std::size_t>(d)] + first + line_start<Dim, kReach>(nodes, k / kReach) +
                            k % kReach);
   }
-  static PDX_INLINE void keep(typename Simd<W>::Mask live, Lanes<W> value, double* to)
+  static PDX_INLINE void keep(Lanes<W> live, Lanes<W> value, double* to)
   {
-    store<W>(live ? value : load<W>(to), to);
+    store<W>(live > 0.0 ? value : load<W>(to), to);
   }
 
-  PDX_INLINE bool some(const SomeLanes<W, Dim>& lanes) const
+  PDX_INLINE bool some(const SomeLanes<W, Dim>& lanes, Lanes<W> (&gone)[Dim]) const
   {
     const std::ptrdiff_t first = first_node<Dim, Shape>(nodes, lanes.block.cell, lanes.lane);
     const bool mixes = Velocity && pic > 0.0;
@@ -130,11 +133,10 @@ private:
       load_nodes_of(what.brought ? nodes.brought : nodes.velocity, first, v);
     else if (mixes)
       load_nodes_of(nodes.velocity, first, v);
-    typename Simd<W>::Mask out{};
-    Lanes<W> gone[Dim] = {};
+    Lanes<W> out{};
     for (int s = 0; s < lanes.slots; ++s) {
       double* const numbers = points.slot(lanes.block, s) + lanes.lane;
-      const auto live = lanes.live(s);
+      const Lanes<W> live = lanes.live(s);
       Lanes<W> at[Dim];
       load_numbers<W, Dim>(numbers, at);
       const Weights<W, Dim, Shape> weights(shape, lanes, at);
@@ -145,7 +147,7 @@ private:
         PDX_UNROLL
         for (int d = 0; d < Dim; ++d) keep(live, now[d], numbers + (Dim + d) * kLanes);
         if constexpr (Brings) {
-          const Lanes<W> here = live ? Lanes<W>{} + mass : Lanes<W>{};
+          const Lanes<W> here = live * mass;
           PDX_UNROLL
           for (int k = 0; k < kNodes; ++k) {
             const Lanes<W> share = here * weights.value(k);
@@ -155,15 +157,15 @@ private:
         }
       }
       if constexpr (Strain) strain(weights, v, live, numbers);
-      if constexpr (Place) out |= live & move(lanes, weights, v, live, at, gone, numbers);
+      if constexpr (Place) out += live * move(lanes, weights, v, live, at, gone, numbers);
     }
     if constexpr (Brings)
       for (int d = 0; d < Dim; ++d)
         add_all<W, Dim, kReach>(sum[d], nodes, nodes.brought[static_cast<std::size_t>(d)] + first);
+    double crossed = 0.0;
     if constexpr (Place)
-      for (int d = 0; d < Dim; ++d)
-        for (int l = 0; l < W; ++l) way[d] += gone[d][l];
-    return any_true(out);
+      for (int l = 0; l < W; ++l) crossed += out[l];
+    return crossed != 0.0;
   }
   PDX_INLINE void kick(const Weights<W, Dim, Shape>& weights,
                        const Lanes<W> (&a)[Velocity ? Dim : 1][Velocity ? kNodes : 1], const Lanes<W> (&v)[Dim][kNodes],
@@ -186,8 +188,8 @@ private:
     }
   }
   /// F := (I + dt L) F.
-  PDX_INLINE void strain(const Weights<W, Dim, Shape>& weights, const Lanes<W> (&v)[Dim][kNodes],
-                         typename Simd<W>::Mask live, double* numbers) const
+  PDX_INLINE void strain(const Weights<W, Dim, Shape>& weights, const Lanes<W> (&v)[Dim][kNodes], Lanes<W> live,
+                         double* numbers) const
   {
     Lanes<W> rate[Dim][Dim] = {}, h[Dim][Dim];
     PDX_UNROLL
@@ -208,24 +210,24 @@ private:
       }
   }
   /// @return who is in another cell then, or nowhere
-  PDX_INLINE typename Simd<W>::Mask move(const SomeLanes<W, Dim>& lanes, const Weights<W, Dim, Shape>& weights,
-                                         const Lanes<W> (&v)[Dim][kNodes], typename Simd<W>::Mask live,
-                                         Lanes<W> (&at)[Dim], Lanes<W> (&gone)[Dim], double* numbers) const
+  PDX_INLINE Lanes<W> move(const SomeLanes<W, Dim>& lanes, const Weights<W, Dim, Shape>& weights,
+                           const Lanes<W> (&v)[Dim][kNodes], Lanes<W> live, Lanes<W> (&at)[Dim], Lanes<W> (&gone)[Dim],
+                           double* numbers) const
   {
-    typename Simd<W>::Mask stays = ~typename Simd<W>::Mask{};
+    Lanes<W> out{};
     PDX_UNROLL
     for (int d = 0; d < Dim; ++d) {
       Lanes<W> there{};
       PDX_UNROLL
       for (int k = 0; k < kNodes; ++k) there += weights.value(k) * v[d][k];
-      const Lanes<W> by = live ? what.step * there : Lanes<W>{};
+      const Lanes<W> by = live * (what.step * there);
       gone[d] += by;
       at[d] += per_side * by;
       keep(live, at[d], numbers + d * kLanes);
-      const Lanes<W> x = lanes.within(d, at[d]);
-      stays &= (x >= Lanes<W>{} + begin) & (x < Lanes<W>{} + (begin + 1.0));
+      const Lanes<W> off = lanes.within(d, at[d]) - (begin + 0.5);
+      out += off * off <= Lanes<W>{} + 0.25 ? Lanes<W>{} : Lanes<W>{} + 1.0;
     }
-    return ~stays;
+    return out;
   }
 };
 

@@ -8,7 +8,7 @@ namespace pdx::mpm {
 namespace {
 constexpr Index kMargin = 3;      // cells around the points, so that few steps find one outside
 constexpr double kFarthest = 1e8; // cells: beyond that numbers are no places any more
-constexpr std::size_t kMostBlocks = std::size_t{1} << 26;
+constexpr std::size_t kMostBlocks = std::size_t{1} << 21, kBlocksPerPoint = 2;
 
 Index floor_to_block(Index cell, Index lanes)
 {
@@ -65,7 +65,8 @@ template <int Dim> void PointLanes<Dim>::settle(std::vector<GridPoint<Dim>> poin
     count_[d] = d == 0 ? (upper_[0] - lower_[0]) / kLanes + 1 : upper_[d] - lower_[d] + 1;
     if (d == 0) upper_[0] = lower_[0] + count_[0] * kLanes - 1;
     all *= static_cast<std::size_t>(count_[d]);
-    if (all > kMostBlocks) throw SolverFailure("material points have flown too far apart for one grid");
+    if (all > std::max(kMostBlocks, kBlocksPerPoint * size_))
+      throw SolverFailure("material points are too far apart for one grid");
   }
   blocks_.assign(all, {});
   for (std::size_t k = 0; k < all; ++k) {

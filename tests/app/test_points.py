@@ -32,6 +32,9 @@ BAR = SOFT | {"-material_poisson": "0", "-mpm_bodies": "bar", "-mpm_bar_box": "0
 SPALL = SOFT | {"-material_young": "1e4", "-material_poisson": "0", "-material_density": "1", "-mpm_bodies": "bar",
                 "-mpm_bar_box": "0,0,0.1,0.002", "-bc_names": "hit", "-bc_hit_box": "0,0,0.03,0.002",
                 "-bc_hit_initial_velocity": "30,0", "-ts_max_time": "1.15e-3"}
+# A block that flies onto a plate and slides.
+RUB = SOFT | {"-mpm_bodies": "plate,block", "-mpm_plate_box": "0,0,0.03,0.006", "-mpm_block_box": "0.006,0.006,0.014,0.01",
+              "-mpm_block_velocity": "0.5,-0.3", "-contact_friction": "0.3", "-ts_safety": "0.5", "-ts_max_steps": "700"}
 SPINNING = DISC | {"-mpm_disc_velocity": None, "-mpm_disc_spin": "200"}
 
 
@@ -106,6 +109,17 @@ class Points(program.ProgramTest):
             self.solve(scene | {"-ts_max_steps": "100", "-checkpoint_interval": "100"}, ranks, directory)
             rest = self.solve(scene | {"-restart": str(directory / "checkpoint.h5")}, ranks, directory)
             self.assertEqual(whole.history(), rest.history())
+
+    def test_a_restart_knows_where_friction_holds(self):
+        for ranks in (1, 2):
+            whole = self.solve(RUB, ranks)
+            self.assertGreater(whole.summary["results"]["friction_energy"], 0.0)
+            directory = self.scratch / f"rub_{ranks}"
+            self.solve(RUB | {"-ts_max_steps": "350", "-checkpoint_interval": "350"}, ranks, directory)
+            rest = self.solve(RUB | {"-restart": str(directory / "checkpoint.h5")}, ranks, directory)
+            self.assertEqual(whole.history(), rest.history())
+            renewed = self.solve(RUB | {"-layout_renew_interval": "175"}, ranks)
+            self.assertEqual(whole.history()[-1], renewed.history()[-1])
 
     def test_a_restart_knows_its_bodies(self):
         directory = self.scratch / "other"

@@ -61,6 +61,8 @@ struct Discretisation final : Model {
                    nlohmann::ordered_json& results) const override;
   std::vector<double> rank_sums() const override;
   void resume_sums(std::span<const double> sums) const override;
+  std::optional<NamedGrips> grips() const override;
+  void set_grips(const NamedGrips& grips) const override;
   /// Displacement of every local vertex, 2 each [m]. Collective.
   std::vector<double> vertex_displacement(Vec u) const;
 };

@@ -9,6 +9,7 @@
 
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <set>
 
 namespace pdx::app {
@@ -16,6 +17,12 @@ namespace pdx::app {
 struct HeldPart {
   std::string name;
   std::vector<Index> components; ///< owned, local
+};
+
+/// Where friction holds points, of all ranks, by names that are alike on any number of them: `couple::NamedGrip`.
+struct NamedGrips {
+  std::vector<std::uint64_t> names; ///< of each: the point, the body of the skin, the points of the facet
+  std::vector<double> numbers;      ///< of each: the weights of these, and the stretch [m]
 };
 
 /// A scene with its rows, Terms and conditions, in the plane or in space: all that stepping through time and recording
@@ -65,6 +72,10 @@ struct Model {
   virtual std::vector<double> rank_sums() const { return {}; }
   virtual void resume_sums(std::span<const double> sums) const { (void)sums; }
   ///@}
+
+  /// None where nothing rubs. Collective.
+  virtual std::optional<NamedGrips> grips() const { return std::nullopt; }
+  virtual void set_grips(const NamedGrips& grips) const { (void)grips; }
 };
 
 /// The cracks that are there from the start. Throws UserError for one that is nowhere in the body.

@@ -69,6 +69,8 @@ template <int Dim> struct PointBody : PointModel {
 
   std::vector<double> rank_sums() const override;
   void resume_sums(std::span<const double> sums) const override;
+  std::optional<NamedGrips> grips() const override;
+  void set_grips(const NamedGrips& grips) const override;
 };
 
 /// Collective. Throws UserError for conditions that are nowhere.

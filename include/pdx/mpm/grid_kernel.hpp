@@ -47,12 +47,12 @@ void give(Processor processor, const GridRule& rule, const BodyMaterial& body, c
 template <int Dim>
 Vector<Dim> take(Processor processor, const GridRule& rule, const BodyMaterial& body, const Taking& what,
                  PointLanes<Dim>& points, const NodeView<Dim>& nodes);
-/// Momenta into velocities, forces into accelerations, and velocities on by these. A node without mass has none; a
-/// small mass gets no velocity from a force, of which points see next to nothing but the gradient.
+/// Momenta into velocities, forces into accelerations, and velocities on by these. A node without mass has none.
 /// @param mass as many as there are nodes, a multiple of 8   @param point mass of a point [kg]
 /// @param momentum, force null where there are none   @param is_velocity `momentum` has been made one before
+/// @param spare a small mass gets no velocity from a force: points see next to nothing of it but its gradient
 void settle_nodes(Processor processor, std::span<const double> mass, double point, double step, double* momentum,
-                  double* force, bool is_velocity = false);
+                  double* force, bool is_velocity = false, bool spare = false);
 /// Strain and kinetic energy of all points [J].
 struct PointEnergies {
   double strain = 0.0, kinetic = 0.0;

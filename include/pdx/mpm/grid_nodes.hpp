@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/base/aligned.hpp"
 #include "pdx/base/petsc.hpp"
 #include "pdx/mpm/grid_kernel.hpp"
 
@@ -37,7 +38,7 @@ private:
   MPI_Comm comm_ = MPI_COMM_NULL;
   Site<Dim> lower_{}, upper_{};
   std::size_t size_ = 0;
-  std::vector<double> numbers_;
+  AlignedVector<double> numbers_;
   NodeView<Dim> view_;
   std::vector<Shared> shared_;
   std::vector<std::uint8_t> owned_;

@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/base/aligned.hpp"
 #include "pdx/base/tensor.hpp"
 
 #include <algorithm>
@@ -81,7 +82,7 @@ private:
   std::size_t size_ = 0;
   Site<Dim> lower_{}, upper_{}, count_{}; ///< cells; blocks per axis
   std::vector<Block> blocks_;             ///< x fastest
-  std::vector<double> data_;
+  AlignedVector<double> data_;
   std::vector<Index> ids_; ///< per slot and lane
 };
 } // namespace pdx::mpm
