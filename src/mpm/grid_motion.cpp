@@ -13,7 +13,7 @@
 namespace pdx::mpm {
 namespace {
 constexpr double kOnNode = 1e-9;       // of a cell
-constexpr double kMostNodes = 1 << 23; // of a rank: beyond that memory is short
+constexpr double kMostNodes = 1 << 23; // of one rank that has all: beyond that memory is short
 constexpr double kNodesPerPoint = 16.0;
 constexpr const char* kTooFar = "material points are too far apart for one grid";
 
@@ -67,11 +67,25 @@ template <int Dim> void GridMotion<Dim>::lay_grid()
     lower[d] -= d == 0 ? PointLanes<Dim>::kLanes : 1;
     upper[d] += d == 0 ? PointLanes<Dim>::kLanes : 1;
   }
-  double nodes = 1.0, all = 0.0;
-  for (std::size_t d = 0; d < Dim; ++d) nodes *= static_cast<double>(upper[d]) - lower[d] + 1.0;
-  for (const PointLanes<Dim>& points : points_) all += static_cast<double>(points.size());
-  if (any_rank(comm_, nodes > std::max(kMostNodes, kNodesPerPoint * all))) throw SolverFailure(kTooFar);
+  if (too_wide(lower, upper, any)) throw SolverFailure(kTooFar);
   nodes_ = GridNodes<Dim>(comm_, lower, upper);
+}
+
+/// Judged as if one rank had all, so that the number of ranks changes nothing.
+template <int Dim> bool GridMotion<Dim>::too_wide(const Site<Dim>& lower, const Site<Dim>& upper, bool any) const
+{
+  std::array<double, 2 * Dim> ends{}; // lower, and the negative of upper
+  ends.fill(std::numeric_limits<double>::max());
+  for (std::size_t d = 0; d < Dim && any; ++d) {
+    ends[d] = lower[d];
+    ends[Dim + d] = -static_cast<double>(upper[d]);
+  }
+  double all = 0.0, nodes = 1.0;
+  for (const PointLanes<Dim>& points : points_) all += static_cast<double>(points.size());
+  MPI_Allreduce(MPI_IN_PLACE, ends.data(), 2 * Dim, MPI_DOUBLE, MPI_MIN, comm_);
+  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_DOUBLE, MPI_SUM, comm_);
+  for (std::size_t d = 0; d < Dim; ++d) nodes *= -ends[Dim + d] - ends[d] + 1.0;
+  return nodes > std::max(kMostNodes, kNodesPerPoint * all);
 }
 
 template <int Dim> void GridMotion<Dim>::give_all(const Giving& what)

@@ -52,6 +52,7 @@ public:
 
 private:
   void lay_grid();
+  bool too_wide(const Site<Dim>& lower, const Site<Dim>& upper, bool any) const;
   void regroup();
   void give_all(const Giving& what);
   void take_all(const Taking& what);
