@@ -138,6 +138,16 @@ geom::LatticeAnchor lattice_of(const SceneView& scene, std::span<const geom::Lat
 }
 } // namespace
 
+bool can_convert(const SceneView& scene, std::span<const geom::LatticeAnchor> lattices)
+{
+  bool any = false;
+  for (Index c = 0; c < scene.mesh.owned_cells() && !any; ++c) {
+    const geom::LatticeAnchor anchor = lattice_of(scene, lattices, scene.mesh.body(c));
+    any = can_cover(scene, c) && is_divided(scene.mesh.corners(c), {anchor.corner, anchor.spacing, {1, 1}});
+  }
+  return any_rank(scene.mesh.comm(), any);
+}
+
 std::vector<LayoutChange::Cover> conversion(const SceneView& scene, BulkWatch& watch,
                                             std::span<const geom::LatticeAnchor> lattices,
                                             std::span<const double> local)

@@ -9,6 +9,8 @@
 #include "pdx/geom/clip.hpp"
 #include "pdx/mesh/gmsh.hpp"
 
+#include "mixed_surface.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -16,114 +18,6 @@
 
 namespace pdx::app {
 namespace mixed {
-constexpr std::uint64_t kElements = std::uint64_t{1} << 61U, kParticles = std::uint64_t{1} << 62U; // names of points
-
-/// Has a point a side that no other point of its body covers?
-bool at_surface(const mpm::Body<2>& body, const Site<2>& cell, int point)
-{
-  const int ratio = body.material.ratio;
-  const Site<2> site{cell[0] * ratio + point % ratio, cell[1] * ratio + point / ratio};
-  for (std::size_t d = 0; d < 2; ++d)
-    for (const Index step : {-1, 1}) {
-      Site<2> beside = site;
-      beside[d] += step;
-      if (!body.has(beside)) return true;
-    }
-  return false;
-}
-
-/// Surface points of the bodies of a scene, of this rank.
-class Surface {
-public:
-  Surface(const mesh::Mesh& mesh, const Discretisation& d) : mesh_(mesh), d_(d), scene_{mesh, d.node_rows, d.sets.get()}
-  {}
-
-  std::vector<couple::SurfacePoint<2>> points()
-  {
-    add_material_points();
-    add_particles();
-    add_elements();
-    return std::move(points_);
-  }
-
-private:
-  void add(std::uint64_t name, Index body, const Vector<2>& x, double size, const couple::Host& host)
-  {
-    points_.push_back({{name, body, x, size}, host});
-  }
-
-  void add_material_points()
-  {
-    const PointPlan<2>& plan = *d_.point_plan;
-    std::vector<std::uint64_t> first{0}; // sites of cells of the bodies before each
-    for (const mpm::Body<2>& of : plan.bodies) first.push_back(first.back() + 64 * of.points.size());
-    for (const Index c : mesh_.cells(mesh::Use::points)) {
-      if (c >= mesh_.owned_cells()) continue;
-      const auto& column = plan.cells[static_cast<std::size_t>(mesh_.natural_cell(c) - plan.first_cell)];
-      const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
-      const Site<2> cell{column.at[0], column.at[1]};
-      const std::uint64_t name =
-          first[static_cast<std::size_t>(column.body)] + 64 * static_cast<std::uint64_t>(of.number(cell));
-      mpm::for_each_point(of.points_in(cell), [&](int site) {
-        if (!at_surface(of, cell, site)) return;
-        const Vector<2> x = of.place(cell, site);
-        add(name + static_cast<std::uint64_t>(site), column.body, x, of.material.spacing,
-            couple::host_in_cell(scene_, c, x));
-      });
-    }
-  }
-
-  /// Beside which the body ends.
-  void add_particles()
-  {
-    PetscInt row = d_.system.rows.first + d_.system.rows.first_particle();
-    for (const pd::Particle& p : d_.particles) {
-      const couple::Surroundings& around = d_.around[static_cast<std::size_t>(p.patch)];
-      const couple::PatchShape& shape = around.shape();
-      const Site<2> site = shape.active.site(p.site);
-      bool outer = false;
-      for (std::size_t d = 0; d < 2; ++d)
-        for (const Index step : {-1, 1}) {
-          Site<2> beside = site;
-          beside[d] += step;
-          outer = outer || !around.exists(beside);
-        }
-      if (outer) add(kParticles | shape.names.of(site), shape.body, p.x, shape.lattice.dx, couple::Host::of_row(row));
-      ++row;
-    }
-  }
-
-  /// Quarters of elements along the border of the mesh, as points of half their size.
-  void add_elements()
-  {
-    std::vector<std::uint8_t> quarters(static_cast<std::size_t>(mesh_.owned_cells()), 0);
-    for (const std::string& name : mesh_.boundary_names())
-      for (const mesh::BoundaryEdge& edge : *mesh_.boundary(name)) {
-        const Index c = edge.cell;
-        if (c >= mesh_.owned_cells() || (mesh_.use(c) != mesh::Use::plain && mesh_.use(c) != mesh::Use::cut)) continue;
-        for (std::size_t a = 0; a < 4; ++a)
-          if (std::ranges::find(edge.vertices, mesh_.cell(c)[a]) != edge.vertices.end())
-            quarters[static_cast<std::size_t>(c)] |= static_cast<std::uint8_t>(1U << a);
-      }
-    for (Index c = 0; c < mesh_.owned_cells(); ++c)
-      for (std::size_t a = 0; a < 4; ++a) {
-        if (!(quarters[static_cast<std::size_t>(c)] >> a & 1U)) continue;
-        const auto x = mesh_.corners(c);
-        const Vector<2> at = 0.5 * (x[a] + mesh_.centroid(c));
-        const Vector<2> p = x[2] - x[0], q = x[3] - x[1];
-        const double area = 0.5 * std::abs(p[0] * q[1] - p[1] * q[0]);
-        add(kElements | static_cast<std::uint64_t>(4 * static_cast<std::int64_t>(mesh_.natural_cell(c)) +
-                                                   static_cast<std::int64_t>(a)),
-            mesh_.body(c), at, 0.5 * std::sqrt(area), couple::host_in_cell(scene_, c, at));
-      }
-  }
-
-  const mesh::Mesh& mesh_;
-  const Discretisation& d_;
-  couple::ElementView scene_;
-  std::vector<couple::SurfacePoint<2>> points_;
-};
-
 void add_contact(const mesh::Mesh& mesh, const SceneOptions& options, Discretisation& d)
 {
   const ContactOptions& given = options.points.contact;
@@ -135,8 +29,7 @@ void add_contact(const mesh::Mesh& mesh, const SceneOptions& options, Discretisa
   rule.stiffness = given.stiffness;
   rule.friction = given.friction;
   rule.thickness = options.elastic.thickness;
-  auto term =
-      std::make_unique<couple::ContactTerm<2>>(d.system.rows, Surface(mesh, d).points(), std::move(bodies), rule);
+  auto term = std::make_unique<couple::ContactTerm<2>>(d.system.rows, surface_points(mesh, d), std::move(bodies), rule);
   auto books = std::make_unique<couple::ContactStep<2>>(*term);
   d.contact = term.get();
   d.contact_books = books.get();
@@ -173,12 +66,16 @@ bool stays(const mesh::Mesh& mesh, const SceneOptions& options, const PointPlan<
 }
 
 /// Particles are of one material, and take whole cells.
-void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const PointPlan<2>& plan)
+void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& patches,
+                   const PointPlan<2>& plan)
 {
   constexpr Index none = std::numeric_limits<Index>::max();
-  std::array<Index, 3> first{none, none, none}; // cells: with points missing, of another material, with a crack
+  // Cells with points missing, of another material, with a crack; and a patch in two bodies.
+  std::array<Index, 4> first{none, none, none, none};
   for (const Index c : mesh.cells(mesh::Use::covered)) {
     const Index cell = mesh.natural_cell(c) - plan.first_cell;
+    if (patches.shapes[static_cast<std::size_t>(mesh.patch(c))].body != mesh.body(c))
+      first[3] = std::min(first[3], static_cast<Index>(mesh.patch(c)));
     if (cell < 0) continue;
     const auto& column = plan.cells[static_cast<std::size_t>(cell)];
     const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
@@ -192,12 +89,19 @@ void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const Po
     if (enters(options.cracks.lines, {x[0] - rim, x[2] + rim}, 1e-3 * (x[2] - x[0]).norm()))
       first[2] = std::min(first[2], mesh.natural_cell(c) - plan.first_cell);
   }
-  MPI_Allreduce(MPI_IN_PLACE, first.data(), 3, MPI_INT, MPI_MIN, mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, first.data(), 4, MPI_INT, MPI_MIN, mesh.comm());
   const auto place = [&](Index cell) {
     const auto& column = plan.cells[static_cast<std::size_t>(cell)];
     const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
     return std::pair{of.name, options.frame.text(of.node({column.at[0], column.at[1]}))};
   };
+  if (first[3] != none) {
+    const geom::Box<2>& box = patches.shapes[static_cast<std::size_t>(first[3])].box;
+    throw UserError(
+        fmt::format("-pd_patches: the patch from {} to {} lies in two bodies, which bonds would join: give a "
+                    "box for each (-adapt_seed tip: put the tip farther from the other body)",
+                    options.frame.text(box.lower), options.frame.text(box.upper)));
+  }
   if (first[0] != none) {
     const auto [name, at] = place(first[0]);
     throw UserError(fmt::format("-pd_patches: the cell of {} at {} is not full of points: particles take whole cells; "
@@ -292,7 +196,7 @@ void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const Patch
 {
   d.point_plan = &plan;
   d.patch_plan = &patches;
-  mixed::judge_patches(mesh, options, plan);
+  mixed::judge_patches(mesh, options, patches, plan);
   for (Index c = 0; c < mesh.cells(); ++c) d.stays.push_back(mixed::stays(mesh, options, plan, c));
   if (!any_rank(mesh.comm(), !mesh.cells(mesh::Use::points).empty())) return;
   static constexpr std::size_t kAround[] = {0, 1, 3, 2}; // corners of a cell, counter-clockwise, as x fastest

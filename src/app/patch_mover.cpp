@@ -110,6 +110,9 @@ std::string PatchMover::begin(const adapt::SceneView& scene, const PatchPlan& pl
           fmt::format("-adapt_expansion_length is {:g}: must be above the {:g} of -adapt_critical_length, or "
                       "patches never move away from what broke",
                       expansion, critical));
+  if (options_.converts() && !adapt::can_convert(scene, body_lattices(options_)))
+    return "-adapt_trigger: no cell can become particles: their sides must be whole numbers of -pd_spacing, and points "
+           "full, of -material_young, _poisson and _density";
   if (adapt::can_expand(scene) || options_.converts()) return "";
   return "-adapt: the sides of no element are whole numbers of -pd_spacing on its lines, so no patch will grow";
 }

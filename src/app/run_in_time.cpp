@@ -220,6 +220,7 @@ private:
       if (!change_.uncover.empty()) adapt::fit_sets(scene_->view(), left, is_new, fields);
       solve::keep_momentum(driver_->moving(), is_new, momentum, moving.v);
       driver_->resume_changed(clock, moving);
+      if (checkpoints_) checkpoints_->step_is(driver_->step_length());
       if (driver_->step_length() < clock.length)
         files_.progress.line(fmt::format("step {}: steps of {:.4g} s from here, for the particles that came",
                                          driver_->step(), driver_->step_length()));

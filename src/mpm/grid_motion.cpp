@@ -122,7 +122,7 @@ template <int Dim> void GridMotion<Dim>::settle_velocity(bool momentum, bool for
   const NodeView<Dim>& view = nodes_.view();
   for (std::size_t d = 0; d < Dim; ++d)
     settle_nodes(processor_, nodes_.mass(), point_mass_, kick, view.velocity[d], force ? view.pull[d] : nullptr,
-                 !momentum, rule_.order == Order::usl);
+                 !momentum, true);
 }
 
 template <int Dim> void GridMotion<Dim>::hold_nodes(double time, double kick, bool force, bool brought)

@@ -6,6 +6,10 @@
 #include <fmt/format.h>
 
 namespace pdx::solve {
+namespace {
+constexpr double kSafer = 1.1; // by as much a step may be nearer to the limit than asked for, before it is shortened
+} // namespace
+
 ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& options)
     : TimeDriver(system), options_(options)
 {
@@ -58,7 +62,8 @@ double ExplicitDriver::fitting_step(double length) const
 {
   PetscBool given = PETSC_FALSE;
   PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
-  if (given || length <= options_.limit || options_.allow_unstable) return length;
+  if (given || options_.allow_unstable || length <= std::min(1.0, kSafer * options_.safety) * options_.limit)
+    return length;
   const double shorter = options_.safety * options_.limit, left = end_time() - time();
   return end_time() < PETSC_MAX_REAL && left > 0.0 ? left / std::ceil(left / shorter * (1.0 - 1e-12)) : shorter;
 }

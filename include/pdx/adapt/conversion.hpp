@@ -47,6 +47,9 @@ private:
   std::vector<Watched> cells_;
 };
 
+/// Is there a cell that could become particles, if it asked? Collective. @param lattices as for `conversion`
+bool can_convert(const SceneView& scene, std::span<const geom::LatticeAnchor> lattices);
+
 /// The cells that are to become particles: those that ask, and what lies as near to them in the same body as the margin
 /// says. Cells that the lattice does not divide stay, as those next to a patch of another, and those with a held node.
 /// Alike on every rank, in the order of natural numbers. Collective.

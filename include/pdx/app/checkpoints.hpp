@@ -19,6 +19,8 @@ public:
   /// it is of another scene.
   void begin(const Standing& scene, const Layout& layout, solve::TimeDriver& driver, TimeRecorder& recorder);
   /// Another scene stands in its place, with the same state, which the driver keeps as sound.
+  /// A change of layout made steps shorter [s].
+  void step_is(double length) { step_length_ = length; }
   void take_scene(const Standing& scene, const Layout& layout, const Dormant& dormant, const TimeRecorder& recorder);
   solve::TimeDriver::Verdict after_step(const solve::TimeDriver& driver, const TimeRecorder& recorder);
   /// The end, or the last sound state of a run gone wild: a checkpoint too, if any were asked for.

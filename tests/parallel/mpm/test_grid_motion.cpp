@@ -82,8 +82,7 @@ template <int Dim> void expect_as_scattered(Index along, int steps)
           plain.step(dt);
           motion.step(k * dt, dt, dt);
         }
-        // At the rim of B-splines nodes have next to no mass, and velocities there what rounding left over it.
-        expect_same<Dim>(motion.points(0), plain.points, shape == Shape::bspline ? 1e-8 : 1e-10);
+        expect_same<Dim>(motion.points(0), plain.points, 1e-10);
       }
 }
 
