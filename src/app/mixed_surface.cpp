@@ -6,20 +6,6 @@ namespace pdx::app {
 namespace mixed_surface {
 constexpr std::uint64_t kElements = std::uint64_t{1} << 61U, kParticles = std::uint64_t{1} << 62U; // names of points
 
-/// Has a point a side that no other point of its body covers?
-bool at_surface(const mpm::Body<2>& body, const Site<2>& cell, int point)
-{
-  const int ratio = body.material.ratio;
-  const Site<2> site{cell[0] * ratio + point % ratio, cell[1] * ratio + point / ratio};
-  for (std::size_t d = 0; d < 2; ++d)
-    for (const Index step : {-1, 1}) {
-      Site<2> beside = site;
-      beside[d] += step;
-      if (!body.has(beside)) return true;
-    }
-  return false;
-}
-
 /// Surface points of the bodies of a scene, of this rank.
 class Surface {
 public:
@@ -53,7 +39,7 @@ private:
       const std::uint64_t name =
           first[static_cast<std::size_t>(column.body)] + 64 * static_cast<std::uint64_t>(of.number(cell));
       mpm::for_each_point(of.points_in(cell), [&](int site) {
-        if (!at_surface(of, cell, site)) return;
+        if (!of.at_surface(cell, site)) return;
         const Vector<2> x = of.place(cell, site);
         add(name + static_cast<std::uint64_t>(site), column.body, x, of.material.spacing,
             couple::host_in_cell(scene_, c, x));

@@ -8,23 +8,6 @@
 
 namespace pdx::app {
 namespace {
-/// Has a point a side that no other point of its body covers?
-template <int Dim> bool at_surface(const mpm::Body<Dim>& body, const Site<Dim>& cell, int point)
-{
-  Site<Dim> site{};
-  for (std::size_t d = 0; d < Dim; ++d) {
-    site[d] = cell[d] * body.material.ratio + point % body.material.ratio;
-    point /= body.material.ratio;
-  }
-  for (std::size_t d = 0; d < Dim; ++d)
-    for (const Index step : {-1, 1}) {
-      Site<Dim> beside = site;
-      beside[d] += step;
-      if (!body.has(beside)) return true;
-    }
-  return false;
-}
-
 /// A place of a cell as its corners carry it.
 template <int Dim>
 couple::Host carried_by(const mpm::Body<Dim>& body, const typename PointRows<Dim>::Cell& cell, const Vector<Dim>& x)
@@ -51,7 +34,7 @@ template <int Dim> std::vector<couple::SurfacePoint<Dim>> surface_points(const P
     const mpm::Body<Dim>& of = body.plan.bodies[b];
     const std::uint64_t name = first[b] + 64 * static_cast<std::uint64_t>(of.number(cell.at));
     mpm::for_each_point(of.points_in(cell.at), [&](int site) {
-      if (!at_surface<Dim>(of, cell.at, site)) return;
+      if (!of.at_surface(cell.at, site)) return;
       const Vector<Dim> x = of.place(cell.at, site);
       points.push_back(
           {{name + static_cast<std::uint64_t>(site), cell.body, x, of.material.spacing}, carried_by<Dim>(of, cell, x)});

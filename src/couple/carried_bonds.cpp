@@ -133,31 +133,14 @@ template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> 
   for (const std::size_t number : others_) {
     if (gone_[number]) continue;
     const CarriedBond<Dim>& bond = bonds_[number];
-    const Vector<Dim> eta = displacement(bond.b, u) - displacement(bond.a, u);
+    const Vector<Dim> eta = points_.displacement(bond.b, u) - points_.displacement(bond.a, u);
     const law::BondState<Dim> state = state_of(number, eta, kinematics_);
     if (!limits_.empty() && !bond.no_fail && state.stretch > limits_[static_cast<std::size_t>(bond.patch)])
       overstretched_seen_ = true;
     const Vector<Dim> force = bond.kappa * state.stretch * state.direction;
-    add_force(bond.force_a, -force, r);
-    add_force(bond.force_b, force, r);
+    points_.add_force(bond.force_a, -force, rows_.owned(), r);
+    points_.add_force(bond.force_b, force, rows_.owned(), r);
   }
-}
-
-template <int Dim> Vector<Dim> CarriedBonds<Dim>::displacement(Index point, std::span<const double> u) const
-{
-  Vector<Dim> d = Vector<Dim>::Zero();
-  const std::span<const Index> rows = points_.rows(point);
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    d += points_.weights(point)[k] * Eigen::Map<const Vector<Dim>>(&u[static_cast<std::size_t>(rows[k]) * Dim]);
-  return d;
-}
-
-template <int Dim> void CarriedBonds<Dim>::add_force(Index point, const Vector<Dim>& force, std::span<double> r) const
-{
-  const std::span<const Index> rows = points_.rows(point);
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    if (rows[k] < rows_.owned())
-      Eigen::Map<Vector<Dim>>(&r[static_cast<std::size_t>(rows[k]) * Dim]) += points_.weights(point)[k] * force;
 }
 
 /// A bond that several ranks evaluate is counted by the owner of the first row at its first end.

@@ -45,14 +45,20 @@ template <int Dim> void CarriedPoints<Dim>::spread(std::span<const double> u, st
 }
 
 template <int Dim>
-void CarriedPoints<Dim>::collect(std::span<const double> forces, Index owned_rows, std::span<double> f) const
+Vector<Dim> CarriedPoints<Dim>::displacement(Index point, std::span<const double> u) const
 {
-  for (std::size_t p = 0; p + 1 < offsets_.size(); ++p)
-    for (std::size_t k = offsets_[p]; k < offsets_[p + 1]; ++k) {
-      if (rows_[k] >= owned_rows) continue;
-      for (std::size_t a = 0; a < Dim; ++a)
-        f[static_cast<std::size_t>(rows_[k]) * Dim + a] += weights_[k] * forces[p * Dim + a];
-    }
+  Vector<Dim> d = Vector<Dim>::Zero();
+  for (std::size_t p = static_cast<std::size_t>(point), k = offsets_[p]; k < offsets_[p + 1]; ++k)
+    d += weights_[k] * Eigen::Map<const Vector<Dim>>(&u[static_cast<std::size_t>(rows_[k]) * Dim]);
+  return d;
+}
+
+template <int Dim>
+void CarriedPoints<Dim>::add_force(Index point, const Vector<Dim>& force, Index owned_rows, std::span<double> f) const
+{
+  for (std::size_t p = static_cast<std::size_t>(point), k = offsets_[p]; k < offsets_[p + 1]; ++k)
+    if (rows_[k] < owned_rows)
+      Eigen::Map<Vector<Dim>>(&f[static_cast<std::size_t>(rows_[k]) * Dim]) += weights_[k] * force;
 }
 
 template class CarriedPoints<2>;

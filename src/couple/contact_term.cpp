@@ -94,12 +94,7 @@ template <int Dim> void ContactTerm<Dim>::bind(const field::RowHalo& halo)
 
 template <int Dim> void ContactTerm<Dim>::place(std::span<const double> u, Index point) const
 {
-  Vector<Dim>& x = x_[static_cast<std::size_t>(point)];
-  x = skin_.point(point).place;
-  const std::span<const Index> rows = points_.rows(point);
-  const std::span<const double> weights = points_.weights(point);
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    x += weights[k] * Eigen::Map<const Vector<Dim>>(u.data() + static_cast<std::size_t>(rows[k]) * Dim);
+  x_[static_cast<std::size_t>(point)] = skin_.point(point).place + points_.displacement(point, u);
 }
 
 /// The farthest that a surface point may have moved since the last search [m].
@@ -188,14 +183,9 @@ template <int Dim> void ContactTerm<Dim>::add_residual(std::span<const double> u
   for_each_touch([&](const Near& near, const Touch<Dim>& touch, double k,
                      const Traction<Dim>* traction) { push(near, touch, k, traction); },
                  [&](const Grip<Dim>& grip) { let_go(grip); });
-  for (const Index p : list_.points()) {
-    if (!mine_[static_cast<std::size_t>(p)]) continue;
-    const std::span<const Index> rows = points_.rows(p);
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      if (rows[k] < rows_.owned())
-        Eigen::Map<Vector<Dim>>(r.data() + static_cast<std::size_t>(rows[k]) * Dim) +=
-            points_.weights(p)[k] * forces_[static_cast<std::size_t>(p)];
-  }
+  for (const Index p : list_.points())
+    if (mine_[static_cast<std::size_t>(p)])
+      points_.add_force(p, forces_[static_cast<std::size_t>(p)], rows_.owned(), r);
 }
 
 /// Adds the forces of a touch.

@@ -102,6 +102,19 @@ template <int Dim> bool Body<Dim>::has(const Site<Dim>& site) const
   return points_in(in) >> bit & 1U;
 }
 
+template <int Dim> bool Body<Dim>::at_surface(const Site<Dim>& cell, int site) const
+{
+  Site<Dim> own = site_in_cell<Dim>(site, material.ratio);
+  for (std::size_t d = 0; d < Dim; ++d) own[d] += cell[d] * material.ratio;
+  for (std::size_t d = 0; d < Dim; ++d)
+    for (const Index step : {-1, 1}) {
+      Site<Dim> beside = own;
+      beside[d] += step;
+      if (!has(beside)) return true;
+    }
+  return false;
+}
+
 template <int Dim>
 Body<Dim> fill_body(std::string name, const BodyMaterial& material, const geom::Box<Dim>& reach,
                     const std::function<bool(const Vector<Dim>&)>& inside)

@@ -88,7 +88,7 @@ template <int Dim> void PointTerm<Dim>::add_residual(std::span<const double> u, 
 }
 
 template <int Dim>
-double PointTerm<Dim>::add_viscous(std::span<const double> b, std::span<const double> u, std::span<const double> v,
+double PointTerm<Dim>::add_viscous(double b, std::span<const double> u, std::span<const double> v,
                                    std::span<double> r) const
 {
   static Event event("mpm_viscous");
@@ -97,10 +97,9 @@ double PointTerm<Dim>::add_viscous(std::span<const double> b, std::span<const do
   double power = 0.0;
   for (const CellBlocks<Dim>* cells : {&own_, &copied_})
     for (const auto& block : cells->blocks()) {
-      const auto k = static_cast<std::size_t>(block.body);
-      if (b[k] == 0.0) continue;
-      const double lost = add_run_viscous<Dim>(processor_, materials_[k], *block.points, b[k], block.runs, fields) +
-                          add_cell_viscous<Dim>(processor_, materials_[k], *block.points, b[k], block.cells, fields);
+      const BodyMaterial& body = material(block.body);
+      const double lost = add_run_viscous<Dim>(processor_, body, *block.points, b, block.runs, fields) +
+                          add_cell_viscous<Dim>(processor_, body, *block.points, b, block.cells, fields);
       if (cells == &own_) power += lost;
     }
   return power;
@@ -109,7 +108,7 @@ double PointTerm<Dim>::add_viscous(std::span<const double> b, std::span<const do
 template <int Dim>
 void PointTerm<Dim>::add_damping(std::span<const double> u, std::span<const double> v, std::span<double> r) const
 {
-  add_viscous(std::vector<double>(materials_.size(), viscosity_), u, v, r);
+  add_viscous(viscosity_, u, v, r);
 }
 
 template <int Dim> double PointTerm<Dim>::energy(std::span<const double> u) const

@@ -41,9 +41,8 @@ void ExplicitDriver::choose_step() const
   PetscReal end = 0.0;
   PDX_CALL(TSGetMaxTime(ts_.get(), &end));
   if (length == 0.0) {
-    length = options_.safety * options_.limit;
-    if (!std::isfinite(length)) throw UserError("-ts_dt is missing: nothing in this scene limits the step");
-    if (end < PETSC_MAX_REAL) length = end / std::ceil(end / length * (1.0 - 1e-12));
+    if (!std::isfinite(options_.limit)) throw UserError("-ts_dt is missing: nothing in this scene limits the step");
+    length = even_step(end);
   } else
     judge_step(length);
   set_step(length);
@@ -64,8 +63,13 @@ double ExplicitDriver::fitting_step(double length) const
   PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
   if (given || options_.allow_unstable || length <= std::min(1.0, kSafer * options_.safety) * options_.limit)
     return length;
-  const double shorter = options_.safety * options_.limit, left = end_time() - time();
-  return end_time() < PETSC_MAX_REAL && left > 0.0 ? left / std::ceil(left / shorter * (1.0 - 1e-12)) : shorter;
+  return even_step(end_time() < PETSC_MAX_REAL ? end_time() - time() : PETSC_MAX_REAL);
+}
+
+double ExplicitDriver::even_step(double left) const
+{
+  const double longest = options_.safety * options_.limit;
+  return left < PETSC_MAX_REAL && left > 0.0 ? left / std::ceil(left / longest * (1.0 - 1e-12)) : longest;
 }
 
 void ExplicitDriver::evaluate(double time, std::span<double> a)

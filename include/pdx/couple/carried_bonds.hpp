@@ -92,8 +92,6 @@ private:
     double length;     ///< [m]
   };
   void fill_lanes();
-  Vector<Dim> displacement(Index point, std::span<const double> u) const;
-  void add_force(Index point, const Vector<Dim>& force, std::span<double> r) const; ///< on owned rows
   law::BondState<Dim> state_of(std::size_t number, const Vector<Dim>& eta, pd::Kinematics kinematics) const;
   void refresh_lanes() const;
   law::BondState<Dim> state_of(std::size_t number, std::span<const double> d, pd::Kinematics kinematics) const;

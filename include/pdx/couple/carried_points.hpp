@@ -3,8 +3,8 @@
 #include "pdx/field/rows.hpp"
 
 namespace pdx::couple {
-/// Points that rows carry: displacement by interpolation, d = C u (`spread`), force back by the transpose,
-/// f += C^T f (`collect`).  [XPD1 Eqs. 14-18]. Ghost particles in elements, points of the interface and particles
+/// Points that rows carry: displacement by interpolation, d = C u (`spread`, `displacement`), force back by the
+/// transpose, f += C^T f (`add_force`).  [XPD1 Eqs. 14-18]. Ghost particles in elements, points of the interface and particles
 /// themselves (one row, weight 1) are all carried points; bonds between them never ask which.
 template <int Dim> class CarriedPoints {
 public:
@@ -18,9 +18,9 @@ public:
   const std::vector<Index>& all_rows() const { return rows_; }
   void bind(const field::RowHalo& halo); ///< global rows become local ones
 
-  void spread(std::span<const double> u, std::vector<double>& d) const;
-  /// Adds to owned rows only. @param forces size() * Dim [N]
-  void collect(std::span<const double> forces, Index owned_rows, std::span<double> f) const;
+  void spread(std::span<const double> u, std::vector<double>& d) const; ///< of all points
+  Vector<Dim> displacement(Index point, std::span<const double> u) const;
+  void add_force(Index point, const Vector<Dim>& force, Index owned_rows, std::span<double> f) const; ///< to owned rows
 
 private:
   std::vector<std::size_t> offsets_{0};

@@ -38,6 +38,8 @@ template <int Dim> struct Body {
   }
   /// Is a point on that site of the lattice? Counted from the corner, any number.
   bool has(const Site<Dim>& site) const;
+  /// Has the point on a site of a cell a side that no other point covers?
+  bool at_surface(const Site<Dim>& cell, int site) const;
 };
 
 /// Fills a body: its points are the sites whose centres lie in the shape.

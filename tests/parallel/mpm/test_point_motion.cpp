@@ -154,8 +154,7 @@ TEST(PointMotion, ViscosityTakesWhatItSaysAndNothingOfRigidMotion)
   });
   const auto force_of = [&](const std::vector<double>& v, double* power) {
     std::vector<double> r(body.nodes().size() * 2, 0.0);
-    const std::vector<double> b{0.06};
-    *power = test::sum(body.term().add_viscous(b, u, v, r));
+    *power = test::sum(body.term().add_viscous(0.06, u, v, r));
     return r;
   };
   std::size_t at = 0; // spin about the origin of the body as it is displaced
