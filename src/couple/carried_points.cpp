@@ -44,8 +44,7 @@ template <int Dim> void CarriedPoints<Dim>::spread(std::span<const double> u, st
         d[p * Dim + a] += weights_[k] * u[static_cast<std::size_t>(rows_[k]) * Dim + a];
 }
 
-template <int Dim>
-Vector<Dim> CarriedPoints<Dim>::displacement(Index point, std::span<const double> u) const
+template <int Dim> Vector<Dim> CarriedPoints<Dim>::displacement(Index point, std::span<const double> u) const
 {
   Vector<Dim> d = Vector<Dim>::Zero();
   for (std::size_t p = static_cast<std::size_t>(point), k = offsets_[p]; k < offsets_[p + 1]; ++k)

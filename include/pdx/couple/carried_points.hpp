@@ -4,8 +4,8 @@
 
 namespace pdx::couple {
 /// Points that rows carry: displacement by interpolation, d = C u (`spread`, `displacement`), force back by the
-/// transpose, f += C^T f (`add_force`).  [XPD1 Eqs. 14-18]. Ghost particles in elements, points of the interface and particles
-/// themselves (one row, weight 1) are all carried points; bonds between them never ask which.
+/// transpose, f += C^T f (`add_force`).  [XPD1 Eqs. 14-18]. Ghost particles in elements, points of the interface and
+/// particles themselves (one row, weight 1) are all carried points; bonds between them never ask which.
 template <int Dim> class CarriedPoints {
 public:
   /// Adds a point; rows are global until `bind`.

@@ -35,8 +35,7 @@ public:
   /// Linear bulk viscosity, first Piola stress b rho c_L h tr(D) cof F at the points, at displacement u and velocity v,
   /// both [owned | halo]: r += its force [N] on owned rows.
   /// @param b of all bodies [-]   @return power that this rank's points lose [W]
-  double add_viscous(double b, std::span<const double> u, std::span<const double> v,
-                     std::span<double> r) const;
+  double add_viscous(double b, std::span<const double> u, std::span<const double> v, std::span<double> r) const;
 
   /// The cells this rank was given, and the material points in them; points of a cell are in order of sites.
   std::span<const PointCell<Dim>> cells() const { return cells_; }

@@ -23,7 +23,8 @@ private:
   void choose_step() const;
   void judge_step(double length) const override;
   double fitting_step(double length) const override;
-  double even_step(double left) const; ///< as long as safety and limit allow, a whole number of which is what is left [s]
+  double
+  even_step(double left) const; ///< as long as safety and limit allow, a whole number of which is what is left [s]
   void evaluate(double time, std::span<double> a);
   void step_alone(double begin, double end);
   StepOrigin origin() const override { return step_origin(ts_.get()); }
