@@ -60,6 +60,18 @@ PULLED = {
     "-bc_t_displacement": "0,1e-3",
     "-quiet": "",
 }
+# Held and pulled so that it stretches evenly along x and is free along y; the body is to be added.
+EVEN = {
+    "-material_young": "1e9",
+    "-bc_names": "left,bottom,right",
+    "-bc_left_on": "left",
+    "-bc_left_displacement": "0,free",
+    "-bc_bottom_on": "bottom",
+    "-bc_bottom_displacement": "free,0",
+    "-bc_right_on": "right",
+    "-bc_right_traction": "1e6,0",
+    "-quiet": "",
+}
 
 
 @dataclasses.dataclass(frozen=True)

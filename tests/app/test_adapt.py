@@ -17,17 +17,13 @@ END = {"-checkpoint_interval": "560"}  # of these
 # The same with patches that hand back what lies behind the tips.
 SNAIL = PLATE | {"-adapt": "relocate", "-output_history": ""}
 # Held so that it stretches evenly; cells beside its patch change hands.
-EVEN = {key: value for key, value in program.SMALL_PATCH.items() if not key.startswith("-bc_")} | {
+EVEN = program.EVEN | {
+    "-case": "small",
+    "-mesh_lower": "0,0",
+    "-mesh_upper": "1,1",
     "-mesh_cells": "8,8",
     "-pd_patches": "0.25,0.25,0.5,0.5",
     "-pd_spacing": "0.03125",
-    "-bc_names": "left,bottom,right",
-    "-bc_left_on": "left",
-    "-bc_left_displacement": "0,free",
-    "-bc_bottom_on": "bottom",
-    "-bc_bottom_displacement": "free,0",
-    "-bc_right_on": "right",
-    "-bc_right_traction": "1e6,0",
     "-load_steps": "4",
 }
 # The same plate flying, and one through which a pulse runs.

@@ -36,7 +36,6 @@ ON_PARTICLES = {key: value for key, value in STRUCK.items() if not key.startswit
     "-pd_patches": "0,-0.006,0.012,0.006",
 }
 # A bar that is pulled apart by its own motion until it becomes particles in its middle and breaks there.
-SPALL = ["-options_file", "cases/spallation/case.opts"]
 EARLY, LATE = "2095", "2110"  # steps before and after what is held by waves becomes particles
 
 

@@ -7,23 +7,14 @@ from torn import TORN
 
 YOUNG, POISSON, TRACTION = 1e9, 1 / 3, 1e6
 # Pulled evenly along x and free along y: u = (x, -nu y) TRACTION / YOUNG, a patch in the middle.
-EVEN = {
+EVEN = program.EVEN | {
     "-case": "even",
     "-mesh_lower": "2,1",
     "-mesh_upper": "3,2",
     "-mesh_cells": "8,8",
     "-pd_patches": "2.25,1.25,2.75,1.75",
     "-pd_spacing": "0.03125",
-    "-material_young": "1e9",
-    "-bc_names": "left,bottom,right",
-    "-bc_left_on": "left",
-    "-bc_left_displacement": "0,free",
-    "-bc_bottom_on": "bottom",
-    "-bc_bottom_displacement": "free,0",
-    "-bc_right_on": "right",
-    "-bc_right_traction": "1e6,0",
     "-load_steps": "2",
-    "-quiet": "",
 }
 PROBED = {
     "-probe_names": "element,particle,across",
