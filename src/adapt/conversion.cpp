@@ -18,6 +18,23 @@ struct Asking {
   std::array<double, 4> box; ///< grown by the margin: lower and upper corner [m]
 };
 
+bool overlap(const std::array<double, 4>& a, const geom::Box<2>& b)
+{
+  return b.upper[0] > a[0] && b.upper[1] > a[1] && b.lower[0] < a[2] && b.lower[1] < a[3];
+}
+
+/// A box around all of them; there are some.
+std::array<double, 4> around(std::span<const Asking> asking)
+{
+  std::array<double, 4> all = asking.front().box;
+  for (const Asking& by : asking)
+    for (std::size_t d = 0; d < 2; ++d) {
+      all[d] = std::min(all[d], by.box[d]);
+      all[2 + d] = std::max(all[2 + d], by.box[2 + d]);
+    }
+  return all;
+}
+
 using Gradients = Eigen::Matrix<double, 4, 2>;
 
 /// Larger and smaller principal stretch less 1, of F = I + h: rotations feel nothing.
@@ -29,13 +46,13 @@ std::array<double, 2> principal_strains(const Tensor<2>& h)
 }
 } // namespace
 
-BulkWatch::BulkWatch(const SceneView& scene, const ConversionRule& rule, const BulkOfBodies& bulk) : rule_(rule)
+BulkWatch::BulkWatch(const SceneView& scene, const ConversionRule& rule, const ElasticOfBody& elastic) : rule_(rule)
 {
   const mesh::Mesh& mesh = scene.mesh;
   for (const mesh::Use use : {mesh::Use::plain, mesh::Use::points})
     for (const Index c : mesh.cells(use)) {
       if (c >= mesh.owned_cells() || !can_cover(scene, c)) continue;
-      Watched cell{c, {}, 0.0, 0.0, Vector<2>::Zero(), bulk.elastic(mesh.body(c))};
+      Watched cell{c, {}, 0.0, 0.0, Vector<2>::Zero(), elastic(mesh.body(c))};
       for (std::size_t a = 0; a < 4; ++a)
         cell.rows[a] = scene.halo.local(scene.node_rows[static_cast<std::size_t>(mesh.cell(c)[a])]);
       const Corners x = mesh.corners(c);
@@ -164,15 +181,13 @@ std::vector<LayoutChange::Cover> conversion(const SceneView& scene, BulkWatch& w
     asking.push_back({mesh.body(c), {lower[0], lower[1], upper[0], upper[1]}});
   }
   asking = gather_all(mesh.comm(), asking);
+  const std::array<double, 4> all = around(asking);
   std::vector<Found> mine;
   for (Index c = 0; c < mesh.owned_cells(); ++c) {
     if (!can_cover(scene, c) || held.has(c)) continue;
     const geom::Box<2> box = box_of(mesh, c);
-    const bool near = std::ranges::any_of(asking, [&](const Asking& by) {
-      return by.body == mesh.body(c) && box.upper[0] > by.box[0] && box.upper[1] > by.box[1] &&
-             box.lower[0] < by.box[2] && box.lower[1] < by.box[3];
-    });
-    if (!near) continue;
+    const auto reaches = [&](const Asking& by) { return by.body == mesh.body(c) && overlap(by.box, box); };
+    if (!overlap(all, box) || std::ranges::none_of(asking, reaches)) continue;
     const geom::LatticeAnchor anchor = lattice_of(scene, lattices, mesh.body(c));
     const geom::Lattice<2> lattice{anchor.corner, anchor.spacing, {1, 1}};
     if (is_divided(mesh.corners(c), lattice) && !meets_another(scene, mesh.body(c), box, anchor))

@@ -170,7 +170,7 @@ adapt::BulkWatch PatchMover::bulk_watch(const adapt::SceneView& scene) const
     const auto b = static_cast<std::size_t>(body);
     return b < bodies.size() ? bodies[b].elastic : options_.elastic;
   };
-  return {scene, rule, {elastic}};
+  return {scene, rule, elastic};
 }
 
 std::vector<adapt::LayoutChange::Cover> PatchMover::converted(const adapt::SceneView& scene,

@@ -16,14 +16,12 @@ struct ConversionRule {
 };
 
 /// What cells are made of, by body (`mesh::Mesh::body`).
-struct BulkOfBodies {
-  std::function<const law::Elastic&(Index body)> elastic;
-};
+using ElasticOfBody = std::function<const law::Elastic&(Index body)>;
 
 /// The cells of elements and material points of a scene that may ask, ready to be looked at after each step.
 class BulkWatch {
 public:
-  BulkWatch(const SceneView& scene, const ConversionRule& rule, const BulkOfBodies& bulk);
+  BulkWatch(const SceneView& scene, const ConversionRule& rule, const ElasticOfBody& elastic);
   const ConversionRule& rule() const { return rule_; }
   /// Owned cells where strain or stress is above the rule's at one of four places, those of points if there are 2 x 2.
   /// @param local displacement [owned | halo] [m]
