@@ -67,11 +67,13 @@ void SectionWatch::look(double time, std::int64_t bonds_broken)
   sections::sum_alike(columns);
   for (const Column& column : columns)
     if (column.touched) begun_.try_emplace({column.body, column.lattice, column.number}, time);
-  const auto parted = [&](const Column& column) { // right through the body
-    std::int64_t most = 0;
-    for (const Column& other : columns)
-      if (other.same_body(column)) most = std::max(most, other.particles);
-    return column.damaged == most;
+  std::map<std::pair<Index, std::int64_t>, std::int64_t> through; // particles that reach through a body, by its lattice
+  for (const Column& column : columns) {
+    std::int64_t& most = through[{column.body, column.lattice}];
+    most = std::max(most, column.particles);
+  }
+  const auto parted = [&through](const Column& column) {
+    return column.damaged == through.at({column.body, column.lattice});
   };
   const auto begun = [this](const Column& column) { return begun_.at({column.body, column.lattice, column.number}); };
   std::vector<const Column*> found; // of sections that broke at one look, those that began first
