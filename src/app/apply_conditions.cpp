@@ -99,11 +99,11 @@ private:
   /// Is row k, of all that are owned, of the body that a condition is for?
   bool is_of(const BoundaryCondition& c, std::size_t k) const
   {
-    return c.of.empty() || d_.body_names.at(static_cast<std::size_t>(d_.body_of_row[k])) == c.of;
+    return c.of.empty() || d_.body_rows.names.at(static_cast<std::size_t>(d_.body_rows.of_row[k])) == c.of;
   }
   bool is_of(const BoundaryCondition& c, const pd::Particle& p) const
   {
-    return c.of.empty() || d_.body_names.at(static_cast<std::size_t>(mesh_.body(p.cell))) == c.of;
+    return c.of.empty() || d_.body_rows.names.at(static_cast<std::size_t>(mesh_.body(p.cell))) == c.of;
   }
 
   bool inside(const BoundaryCondition& c, const Vector<2>& x) const { return !c.box || c.box->contains(x, near()); }

@@ -5,7 +5,6 @@
 #include "pdx/app/support.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/coarse/coarse_mesh.hpp"
-#include "pdx/couple/contact_books.hpp"
 #include "pdx/couple/seams.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 
@@ -270,8 +269,7 @@ post::Energies Discretisation::energies(std::span<const double> local) const
   if (bonds) mine.bonds = bonds->energy(local);
   if (carried) mine.interface = carried->energy(local);
   if (points) mine.points = points->energy(local);
-  if (contact) mine.contact = contact->energy(local);
-  if (contact_books) mine.friction = contact_books->dissipated();
+  if (touching) touching->add_energies(local, mine);
   return mine;
 }
 

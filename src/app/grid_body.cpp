@@ -145,18 +145,16 @@ template <int Dim>
 GridBody<Dim>::GridBody(const SceneOptions& options, const PointPlan<Dim>& filled, const mesh::Mesh& mesh)
     : PointBody<Dim>(filled, mesh)
 {
+  materials = filled.materials();
   double coarsest = 0.0;
-  for (const mpm::Body<Dim>& of : filled.bodies) {
-    materials.push_back(of.material);
-    coarsest = std::max(coarsest, of.cell_size());
-  }
+  for (const mpm::Body<Dim>& of : filled.bodies) coarsest = std::max(coarsest, of.cell_size());
   mpm::GridRule rule = options.points.grid;
   rule.side = coarsest;
   origin = filled.bodies[0].corner;
   limit_ = std::numeric_limits<double>::infinity();
   for (const mpm::BodyMaterial& of : materials) limit_ = std::min(limit_, rule.side / wave_speed<Dim>(of));
   this->body = mesh.bounds();
-  this->points = filled.count();
+  this->material_points = filled.count();
   this->description = described(filled);
   auto points_of = lay_points(mesh, rule.side);
   this->node_names = this->grid.names;
@@ -182,9 +180,7 @@ GridBody<Dim>::GridBody(const SceneOptions& options, const PointPlan<Dim>& fille
   this->system.terms.push_back(std::make_unique<GridTerm<Dim>>(*this));
   this->system.steps = std::make_unique<GridSteps<Dim>>(*this);
   this->system.bind();
-  BodyRows rows{{}, this->grid.body};
-  for (const mpm::Body<Dim>& of : filled.bodies) rows.names.push_back(of.name);
-  this->bodies = std::make_unique<BodyBooks<Dim>>(this->system, std::move(rows), nullptr);
+  this->bodies = std::make_unique<BodyBooks<Dim>>(this->system, this->rows_of_bodies(), nullptr);
 }
 
 template <int Dim> post::Energies GridBody<Dim>::energies(std::span<const double>) const
@@ -196,7 +192,7 @@ template <int Dim> post::Energies GridBody<Dim>::energies(std::span<const double
 
 template <int Dim> std::vector<io::Column> GridBody<Dim>::more_columns() const
 {
-  std::vector<io::Column> columns = PointBody<Dim>::more_columns();
+  std::vector<io::Column> columns = Model::more_columns();
   for (const std::string& name : holds) columns.push_back({name, "N"});
   return columns;
 }
@@ -204,7 +200,7 @@ template <int Dim> std::vector<io::Column> GridBody<Dim>::more_columns() const
 template <int Dim>
 void GridBody<Dim>::add_more(std::span<const double> local, std::span<const double> v, std::vector<double>& row) const
 {
-  PointBody<Dim>::add_more(local, v, row);
+  Model::add_more(local, v, row);
   std::vector<double> forces(motion->hold_force().begin(), motion->hold_force().end());
   forces.resize(holds.size(), 0.0);
   MPI_Allreduce(MPI_IN_PLACE, forces.data(), static_cast<int>(forces.size()), MPI_DOUBLE, MPI_SUM,
@@ -212,62 +208,34 @@ void GridBody<Dim>::add_more(std::span<const double> local, std::span<const doub
   row.insert(row.end(), forces.begin(), forces.end());
 }
 
-namespace {
-template <int Dim> double entry_of(const Tensor<Dim>& tensor, Eigen::Index i, Eigen::Index j)
-{
-  return i < Dim && j < Dim ? tensor(i, j) : 0.0;
-}
-
-/// A field of three or six numbers a point.
-template <class Value> void push_field(field::OutputBlock& block, std::string name, field::Rank rank, Value&& value)
-{
-  field::OutputField f{std::move(name), rank, false, false, {}};
-  const std::size_t points = block.natural_point.size();
-  for (std::size_t k = 0; k < points; ++k)
-    for (Eigen::Index n = 0; n < static_cast<Eigen::Index>(rank); ++n) f.values.push_back(value(k, n));
-  block.fields.push_back(std::move(f));
-}
-} // namespace
-
 template <int Dim>
 field::OutputBlock GridBody<Dim>::block(std::span<const double> local, std::span<const double> v) const
 {
-  static constexpr Eigen::Index kPairs[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
   const std::vector<Vector<Dim>>& place = this->grid.place;
-  std::vector<Tensor<Dim>> strain(place.size(), Tensor<Dim>::Zero()), stress(strain);
+  PointFields fields{{local.begin(), local.end()}, {v.begin(), v.end()}, {}, {}, this->grid.body};
+  fields.stress.resize(place.size() * Dim * Dim);
+  fields.deformation.resize(place.size() * Dim * Dim);
   for (std::size_t b = 0; b < materials.size(); ++b)
     motion->lanes(b).for_each([&](Index id, const double* numbers) {
-      const auto row = static_cast<std::size_t>(first[b] + id);
+      const std::size_t at = static_cast<std::size_t>(first[b] + id) * Dim * Dim;
+      Tensor<Dim> strain;
       for (int n = 0; n < Dim * Dim; ++n)
-        strain[row](n / Dim, n % Dim) = numbers[(2 * Dim + n) * mpm::PointLanes<Dim>::kLanes];
-      const Tensor<Dim> f = Tensor<Dim>::Identity() + strain[row];
-      stress[row] = mpm::law_stress<Dim>(materials[b], strain[row]) * f.transpose() / f.determinant();
+        strain(n / Dim, n % Dim) = numbers[(2 * Dim + n) * mpm::PointLanes<Dim>::kLanes];
+      const Tensor<Dim> f = Tensor<Dim>::Identity() + strain;
+      const Tensor<Dim> stress = mpm::law_stress<Dim>(materials[b], strain) * f.transpose() / f.determinant();
+      for (int n = 0; n < Dim * Dim; ++n) {
+        fields.stress[at + static_cast<std::size_t>(n)] = stress(n / Dim, n % Dim);
+        fields.deformation[at + static_cast<std::size_t>(n)] = f(n / Dim, n % Dim);
+      }
     });
   field::OutputBlock block;
   block.name = "points";
   block.natural_point = natural_;
   for (const Vector<Dim>& x : place)
     for (Eigen::Index d = 0; d < 3; ++d) block.points.push_back(d < Dim ? x[std::min<Eigen::Index>(d, Dim - 1)] : 0.0);
-  const auto vectors = [&](std::span<const double> values) {
-    return [values](std::size_t k, Eigen::Index d) {
-      return d < Dim ? values[Dim * k + static_cast<std::size_t>(d)] : 0.0;
-    };
-  };
-  push_field(block, "displacement [m]", field::Rank::vector, vectors(local));
-  push_field(block, "velocity [m/s]", field::Rank::vector, vectors(v));
-  push_field(block, "stress [Pa]", field::Rank::tensor,
-             [&](std::size_t k, Eigen::Index n) { return entry_of<Dim>(stress[k], kPairs[n][0], kPairs[n][1]); });
-  for (Eigen::Index i = 0; i < Dim; ++i)
-    push_field(block, fmt::format("deformation_{} [-]", "xyz"[i]), field::Rank::vector,
-               [&](std::size_t k, Eigen::Index j) { return (i == j ? 1.0 : 0.0) + entry_of<Dim>(strain[k], i, j); });
-  field::OutputField numbers{"body", field::Rank::scalar, false, true, {}},
-      owner{"rank", field::Rank::scalar, false, true, {}};
   int rank = 0;
   MPI_Comm_rank(this->system.rows.comm, &rank);
-  for (const Index b : this->grid.body) numbers.values.push_back(b + 1.0);
-  owner.values.assign(place.size(), rank);
-  block.fields.push_back(std::move(numbers));
-  block.fields.push_back(std::move(owner));
+  add_point_fields<Dim>(fields, rank, block);
   return block;
 }
 

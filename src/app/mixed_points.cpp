@@ -1,10 +1,10 @@
 #include "pdx/app/mixed_points.hpp"
 
-#include "pdx/app/contact_grips.hpp"
+#include "pdx/app/body_contact.hpp"
 #include "pdx/app/seeds.hpp"
+#include "pdx/app/settle.hpp"
 #include "pdx/app/thrown_bodies.hpp"
 #include "pdx/base/gather.hpp"
-#include "pdx/couple/contact_books.hpp"
 #include "pdx/geom/box_cover.hpp"
 #include "pdx/geom/clip.hpp"
 #include "pdx/mesh/gmsh.hpp"
@@ -18,25 +18,6 @@
 
 namespace pdx::app {
 namespace mixed {
-void add_contact(const mesh::Mesh& mesh, const SceneOptions& options, Discretisation& d)
-{
-  const ContactOptions& given = options.points.contact;
-  std::vector<couple::ContactBody> bodies;
-  for (const mpm::Body<2>& of : d.point_plan->bodies) bodies.push_back({of.name, of.material.elastic.young});
-  if (d.point_plan->first_cell > 0) bodies.push_back({kMeshBody, options.elastic.young});
-  if (!given.active || bodies.size() < 2) return;
-  couple::ContactOptions rule;
-  rule.stiffness = given.stiffness;
-  rule.friction = given.friction;
-  rule.thickness = options.elastic.thickness;
-  auto term = std::make_unique<couple::ContactTerm<2>>(d.system.rows, surface_points(mesh, d), std::move(bodies), rule);
-  auto books = std::make_unique<couple::ContactStep<2>>(*term);
-  d.contact = term.get();
-  d.contact_books = books.get();
-  d.system.terms.push_back(std::move(term));
-  d.system.after_step.push_back(std::move(books));
-}
-
 /// Runs a line in a box, for longer than `least` [m]?
 bool enters(std::span<const crack::Polyline> lines, const geom::Box<2>& box, double least)
 {
@@ -52,6 +33,15 @@ bool enters(std::span<const crack::Polyline> lines, const geom::Box<2>& box, dou
 bool same_material(const law::Elastic& a, const law::Elastic& b)
 {
   return a.young == b.young && a.poisson == b.poisson && a.density == b.density;
+}
+
+/// Of each local vertex, a body it is of.
+std::vector<Index> vertex_bodies(const mesh::Mesh& mesh)
+{
+  std::vector<Index> bodies(static_cast<std::size_t>(mesh.vertices()), 0);
+  for (Index c = 0; c < mesh.cells(); ++c)
+    for (const Index v : mesh.cell(c)) bodies[static_cast<std::size_t>(v)] = mesh.body(c);
+  return bodies;
 }
 
 /// Can a cell not become particles?
@@ -120,14 +110,6 @@ void judge_patches(const mesh::Mesh& mesh, const SceneOptions& options, const Pa
 }
 } // namespace mixed
 
-std::vector<Index> vertex_bodies(const mesh::Mesh& mesh)
-{
-  std::vector<Index> bodies(static_cast<std::size_t>(mesh.vertices()), 0);
-  for (Index c = 0; c < mesh.cells(); ++c)
-    for (const Index v : mesh.cell(c)) bodies[static_cast<std::size_t>(v)] = mesh.body(c);
-  return bodies;
-}
-
 void convert_along_cracks(const PointPlan<2>& plan, SceneOptions& options)
 {
   const double dx = options.pd.spacing[0];
@@ -150,11 +132,7 @@ void convert_along_cracks(const PointPlan<2>& plan, SceneOptions& options)
 std::shared_ptr<const PointPlan<2>> settle_mixed(MPI_Comm comm, SceneOptions& options)
 {
   mesh::MeshOptions& mesh = options.mesh;
-  double edge = std::numeric_limits<double>::infinity();
-  if (!mesh.file.empty())
-    edge = mesh::load(comm, mesh);
-  else if (mesh.cells[0] > 0)
-    edge = std::min(mesh.box.size()[0] / mesh.cells[0], mesh.box.size()[1] / mesh.cells[1]);
+  const double edge = read_elements(comm, mesh);
   const bool elements = std::isfinite(edge);
   auto plan = std::make_shared<PointPlan<2>>(plan_points<2>(options, edge));
   for (const mpm::Body<2>& body : plan->bodies) options.points.regions.push_back(body.around());
@@ -214,10 +192,8 @@ void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const Patch
     cells.push_back(cell);
     d.point_cells.push_back({column.body, {column.at[0], column.at[1]}});
   }
-  std::vector<mpm::BodyMaterial> materials;
-  for (const mpm::Body<2>& of : plan.bodies) materials.push_back(of.material);
-  auto term = std::make_unique<mpm::PointTerm<2>>(d.system.rows, std::move(cells), std::move(materials),
-                                                  options.points.viscosity);
+  auto term =
+      std::make_unique<mpm::PointTerm<2>>(d.system.rows, std::move(cells), plan.materials(), options.points.viscosity);
   d.points = term.get();
   d.material_points = term->points();
   MPI_Allreduce(MPI_IN_PLACE, &d.material_points, 1, MPI_INT64_T, MPI_SUM, mesh.comm());
@@ -226,19 +202,26 @@ void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const Patch
 
 void add_bodies(const mesh::Mesh& mesh, const SceneOptions& options, Discretisation& d)
 {
-  for (const mpm::Body<2>& of : d.point_plan->bodies) d.body_names.push_back(of.name);
-  if (d.point_plan->first_cell > 0) d.body_names.push_back(kMeshBody);
-  const std::vector<Index> of_vertex = vertex_bodies(mesh);
-  for (const Index v : d.nodes) d.body_of_row.push_back(of_vertex[static_cast<std::size_t>(v)]);
+  for (const mpm::Body<2>& of : d.point_plan->bodies) d.body_rows.names.push_back(of.name);
+  std::vector<couple::ContactBody> bodies = touching_bodies(*d.point_plan);
+  if (d.point_plan->first_cell > 0) {
+    d.body_rows.names.push_back(kMeshBody);
+    bodies.push_back({kMeshBody, options.elastic.young});
+  }
+  std::vector<Index>& of_row = d.body_rows.of_row;
+  const std::vector<Index> of_vertex = mixed::vertex_bodies(mesh);
+  for (const Index v : d.nodes) of_row.push_back(of_vertex[static_cast<std::size_t>(v)]);
   if (d.sets)
-    for (const Index v : d.sets->vertices()) d.body_of_row.push_back(of_vertex[static_cast<std::size_t>(v)]);
-  for (const pd::Particle& p : d.particles) d.body_of_row.push_back(mesh.body(p.cell));
-  throw_bodies<2>(options.points, *d.point_plan, d.body_of_row, d.system);
-  mixed::add_contact(mesh, options, d);
+    for (const Index v : d.sets->vertices()) of_row.push_back(of_vertex[static_cast<std::size_t>(v)]);
+  for (const pd::Particle& p : d.particles) of_row.push_back(mesh.body(p.cell));
+  throw_bodies<2>(options.points, *d.point_plan, of_row, d.system);
+  add_contact<2>(
+      options, std::move(bodies), [&] { return surface_points(mesh, d); }, d);
 }
+
 void keep_books(Discretisation& d)
 {
-  d.bodies = std::make_unique<BodyBooks<2>>(d.system, BodyRows{d.body_names, d.body_of_row}, d.contact_books);
+  d.bodies = std::make_unique<BodyBooks<2>>(d.system, d.body_rows, d.touching ? d.touching->books() : nullptr);
 }
 
 field::OutputBlock Discretisation::point_fields(const mesh::Mesh& mesh, std::span<const double> local,
@@ -276,25 +259,4 @@ double Discretisation::kinetic_of_points(std::span<const double> velocity) const
 {
   return bodies ? bodies->kinetic(velocity, system.rows.nodes, point_plan->elements()) : 0.0;
 }
-
-void Discretisation::add_results(std::span<const double> local, std::span<const double> velocity,
-                                 nlohmann::ordered_json& results) const
-{
-  if (!bodies) return;
-  results["material_points"] = material_points;
-  bodies->add_results(local, velocity, results);
-}
-
-std::vector<double> Discretisation::rank_sums() const
-{
-  return contact_books ? contact_books->sums() : std::vector<double>{};
-}
-
-void Discretisation::resume_sums(std::span<const double> sums) const
-{
-  if (contact_books) contact_books->resume(sums);
-}
-
-std::optional<NamedGrips> Discretisation::grips() const { return named_grips<2>(system.rows.comm, contact); }
-void Discretisation::set_grips(const NamedGrips& named) const { hold_grips<2>(contact, named); }
 } // namespace pdx::app

@@ -1,5 +1,7 @@
 #include "mixed_surface.hpp"
 
+#include "pdx/app/body_contact.hpp"
+
 #include <algorithm>
 
 namespace pdx::app {
@@ -10,11 +12,12 @@ constexpr std::uint64_t kElements = std::uint64_t{1} << 61U, kParticles = std::u
 class Surface {
 public:
   Surface(const mesh::Mesh& mesh, const Discretisation& d) : mesh_(mesh), d_(d), scene_{mesh, d.node_rows, d.sets.get()}
-  {}
+  {
+    if (d.points) points_ = surface_points<2>(*d.point_plan, d.point_cells, *d.points);
+  }
 
   std::vector<couple::SurfacePoint<2>> points()
   {
-    add_material_points();
     add_particles();
     add_elements();
     return std::move(points_);
@@ -24,27 +27,6 @@ private:
   void add(std::uint64_t name, Index body, const Vector<2>& x, double size, const couple::Host& host)
   {
     points_.push_back({{name, body, x, size}, host});
-  }
-
-  void add_material_points()
-  {
-    const PointPlan<2>& plan = *d_.point_plan;
-    std::vector<std::uint64_t> first{0}; // sites of cells of the bodies before each
-    for (const mpm::Body<2>& of : plan.bodies) first.push_back(first.back() + 64 * of.points.size());
-    for (const Index c : mesh_.cells(mesh::Use::points)) {
-      if (c >= mesh_.owned_cells()) continue;
-      const auto& column = plan.cells[static_cast<std::size_t>(mesh_.natural_cell(c) - plan.first_cell)];
-      const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
-      const Site<2> cell{column.at[0], column.at[1]};
-      const std::uint64_t name =
-          first[static_cast<std::size_t>(column.body)] + 64 * static_cast<std::uint64_t>(of.number(cell));
-      mpm::for_each_point(of.points_in(cell), [&](int site) {
-        if (!of.at_surface(cell, site)) return;
-        const Vector<2> x = of.place(cell, site);
-        add(name + static_cast<std::uint64_t>(site), column.body, x, of.material.spacing,
-            couple::host_in_cell(scene_, c, x));
-      });
-    }
   }
 
   /// Beside which the body ends.

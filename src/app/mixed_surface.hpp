@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/app/discretisation.hpp"
+#include "pdx/couple/contact_term.hpp"
 
 namespace pdx::app {
 /// Points at the surface of the bodies of a mixed scene, of this rank: material points, particles and, along the border

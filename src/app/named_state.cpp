@@ -94,7 +94,7 @@ NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const
   const SceneNames names(scene);
   NamedState state = what_is_owned(scene, names);
   state.moving = driver.state();
-  state.grips = scene.model->grips();
+  if (scene.model->touching) state.grips = scene.model->touching->grips();
   if (cracks) state.cracks = named(*cracks, names);
   return state;
 }
@@ -258,7 +258,7 @@ Dormant StateMove::dormant() const
 
 void StateMove::hold_grips() const
 {
-  if (state_.grips) scene_.model->set_grips(*state_.grips);
+  if (state_.grips && scene_.model->touching) scene_.model->touching->hold(*state_.grips);
 }
 
 field::State StateMove::moving() const

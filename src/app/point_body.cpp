@@ -1,28 +1,20 @@
 #include "pdx/app/point_body.hpp"
 
+#include "pdx/app/body_contact.hpp"
 #include "pdx/app/point_output.hpp"
 #include "pdx/app/thrown_bodies.hpp"
 #include "pdx/base/fingerprint.hpp"
-#include "pdx/couple/contact_books.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace pdx::app {
 namespace {
-template <int Dim> std::vector<mpm::BodyMaterial> materials_of(const PointPlan<Dim>& plan)
-{
-  std::vector<mpm::BodyMaterial> materials;
-  for (const mpm::Body<Dim>& body : plan.bodies) materials.push_back(body.material);
-  return materials;
-}
-
 template <int Dim> void add_points(const PointPlan<Dim>& plan, double viscosity, PointBody<Dim>& body)
 {
   std::vector<mpm::PointCell<Dim>> cells;
   for (const auto& cell : std::span(body.grid.cells).first(body.grid.owned))
     cells.push_back({cell.body, cell.rows, plan.bodies[static_cast<std::size_t>(cell.body)].points_in(cell.at)});
-  auto term = std::make_unique<mpm::PointTerm<Dim>>(body.system.rows, std::move(cells), materials_of(plan), viscosity);
+  auto term = std::make_unique<mpm::PointTerm<Dim>>(body.system.rows, std::move(cells), plan.materials(), viscosity);
   body.term = term.get();
   body.system.terms.push_back(std::move(term));
 }
@@ -48,7 +40,7 @@ std::unique_ptr<PointBody<Dim>> discretise(const SceneOptions& options, const Po
 {
   auto body = std::make_unique<PointBody<Dim>>(plan, mesh);
   body->body = mesh.bounds();
-  body->points = plan.count();
+  body->material_points = plan.count();
   body->description = described(plan);
   body->node_names = body->grid.names;
   body->system.rows = body->grid.rows;
@@ -56,12 +48,13 @@ std::unique_ptr<PointBody<Dim>> discretise(const SceneOptions& options, const Po
     body->system.coordinates.insert(body->system.coordinates.end(), x.begin(), x.end());
   add_points(plan, options.points.viscosity, *body);
   throw_bodies<Dim>(options.points, plan, body->grid.body, body->system);
-  add_contact(options, *body);
+  add_contact<Dim>(
+      options, touching_bodies(plan), [&] { return surface_points<Dim>(plan, body->owned_cells(), *body->term); },
+      *body);
   apply_conditions(options, *body);
   body->system.bind();
-  BodyRows rows{{}, body->grid.body};
-  for (const mpm::Body<Dim>& of : plan.bodies) rows.names.push_back(of.name);
-  body->bodies = std::make_unique<BodyBooks<Dim>>(body->system, std::move(rows), body->books);
+  body->bodies = std::make_unique<BodyBooks<Dim>>(body->system, body->rows_of_bodies(),
+                                                  body->touching ? body->touching->books() : nullptr);
   return body;
 }
 
@@ -69,45 +62,30 @@ template <int Dim> post::Energies PointBody<Dim>::energies(std::span<const doubl
 {
   post::Energies mine;
   mine.points = term->energy(local);
-  if (contact) mine.contact = contact->energy(local);
-  if (books) mine.friction = books->dissipated();
+  if (touching) touching->add_energies(local, mine);
   return mine;
 }
 
-template <int Dim> std::vector<double> PointBody<Dim>::rank_sums() const
+template <int Dim> BodyRows PointBody<Dim>::rows_of_bodies() const
 {
-  return books ? books->sums() : std::vector<double>{};
+  BodyRows rows{{}, grid.body};
+  for (const mpm::Body<Dim>& of : plan.bodies) rows.names.push_back(of.name);
+  return rows;
 }
 
-template <int Dim> void PointBody<Dim>::resume_sums(std::span<const double> sums) const
+template <int Dim> std::vector<CellOfBody<Dim>> PointBody<Dim>::owned_cells() const
 {
-  if (books) books->resume(sums);
-}
-
-template <int Dim> std::vector<io::Column> PointBody<Dim>::more_columns() const { return bodies->more_columns(); }
-
-template <int Dim>
-void PointBody<Dim>::add_more(std::span<const double> local, std::span<const double> v, std::vector<double>& row) const
-{
-  bodies->add_more(local, v, row);
-}
-
-template <int Dim>
-void PointBody<Dim>::add_results(std::span<const double> local, std::span<const double> v,
-                                 nlohmann::ordered_json& results) const
-{
-  results["material_points"] = points;
-  bodies->add_results(local, v, results);
+  std::vector<CellOfBody<Dim>> cells;
+  for (const auto& cell : std::span(grid.cells).first(grid.owned)) cells.push_back({cell.body, cell.at});
+  return cells;
 }
 
 template <int Dim>
 field::OutputBlock PointBody<Dim>::block(std::span<const double> local, std::span<const double> v) const
 {
-  std::vector<CellOfBody<Dim>> cells;
-  for (const auto& cell : std::span(grid.cells).first(grid.owned)) cells.push_back({cell.body, cell.at});
   int rank = 0;
   MPI_Comm_rank(system.rows.comm, &rank);
-  return point_block<Dim>(plan, cells, *term, local, v, rank, [](const auto&) { return true; });
+  return point_block<Dim>(plan, owned_cells(), *term, local, v, rank, [](const auto&) { return true; });
 }
 
 std::vector<field::OutputBlock> PointModel::blocks(Vec u, std::span<const double> velocity) const

@@ -41,13 +41,29 @@ template <int Dim> void push_deformation(const std::vector<double>& deformation,
 }
 } // namespace point_fields
 
+template <int Dim> void add_point_fields(const PointFields& fields, int rank, field::OutputBlock& block)
+{
+  using namespace point_fields;
+  field::OutputField bodies{"body", field::Rank::scalar, false, true, {}},
+      owner{"rank", field::Rank::scalar, false, true, {}};
+  for (const Index body : fields.body) bodies.values.push_back(body + 1.0);
+  owner.values.assign(fields.body.size(), rank);
+  block.fields.push_back(vectors_of<Dim>("displacement [m]", fields.displacement));
+  block.fields.push_back(vectors_of<Dim>("velocity [m/s]", fields.velocity));
+  block.fields.push_back(stress_of_points<Dim>(fields.stress));
+  push_deformation<Dim>(fields.deformation, block);
+  block.fields.push_back(std::move(bodies));
+  block.fields.push_back(std::move(owner));
+}
+
 template <int Dim>
 field::OutputBlock point_block(const PointPlan<Dim>& plan, std::span<const CellOfBody<Dim>> cells,
                                const mpm::PointTerm<Dim>& term, std::span<const double> local,
                                std::span<const double> velocity, int rank,
                                const std::function<bool(const CellOfBody<Dim>&)>& is_there)
 {
-  using namespace point_fields;
+  PointFields fields{
+      term.interpolated(local), term.interpolated(velocity), term.cauchy_stress(local), term.deformation(local), {}};
   field::OutputBlock block;
   block.name = "points";
   std::vector<std::vector<int>> before; // points of a body in cells before each
@@ -61,8 +77,6 @@ field::OutputBlock point_block(const PointPlan<Dim>& plan, std::span<const CellO
         first += std::popcount(of.points[k]);
     }
   }
-  field::OutputField bodies{"body", field::Rank::scalar, false, true, {}},
-      owner{"rank", field::Rank::scalar, false, true, {}};
   for (const CellOfBody<Dim>& cell : cells) {
     const auto b = static_cast<std::size_t>(cell.body);
     const mpm::Body<Dim>& of = plan.bodies[b];
@@ -71,19 +85,15 @@ field::OutputBlock point_block(const PointPlan<Dim>& plan, std::span<const CellO
       const Vector<Dim> x = of.place(cell.at, site);
       for (int d = 0; d < 3; ++d) block.points.push_back(d < Dim ? x[std::min(d, Dim - 1)] : 0.0);
       block.natural_point.push_back(number++);
-      bodies.values.push_back(cell.body + 1.0);
-      owner.values.push_back(rank);
+      fields.body.push_back(cell.body);
     });
   }
-  block.fields.push_back(vectors_of<Dim>("displacement [m]", term.interpolated(local)));
-  block.fields.push_back(vectors_of<Dim>("velocity [m/s]", term.interpolated(velocity)));
-  block.fields.push_back(stress_of_points<Dim>(term.cauchy_stress(local)));
-  push_deformation<Dim>(term.deformation(local), block);
-  block.fields.push_back(std::move(bodies));
-  block.fields.push_back(std::move(owner));
+  add_point_fields<Dim>(fields, rank, block);
   return block;
 }
 
+template void add_point_fields<2>(const PointFields&, int, field::OutputBlock&);
+template void add_point_fields<3>(const PointFields&, int, field::OutputBlock&);
 template field::OutputBlock point_block<2>(const PointPlan<2>&, std::span<const CellOfBody<2>>,
                                            const mpm::PointTerm<2>&, std::span<const double>, std::span<const double>,
                                            int, const std::function<bool(const CellOfBody<2>&)>&);

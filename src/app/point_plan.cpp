@@ -226,6 +226,13 @@ template <int Dim> std::int64_t PointPlan<Dim>::count() const
   return n;
 }
 
+template <int Dim> std::vector<mpm::BodyMaterial> PointPlan<Dim>::materials() const
+{
+  std::vector<mpm::BodyMaterial> all;
+  for (const mpm::Body<Dim>& body : bodies) all.push_back(body.material);
+  return all;
+}
+
 template <int Dim> PointPlan<Dim> plan_points(SceneOptions& options, double edge)
 {
   settle_points<Dim>(options, edge);

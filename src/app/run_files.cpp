@@ -69,8 +69,7 @@ void RunFiles::take_scene(const Standing& standing)
   summary.unknowns.enriched = counts[1];
   summary.unknowns.pd = counts[2];
   summary.unknowns.ghost = scene.model->ghosts;
-  if (scene.points) summary.unknowns.mpm = scene.points->points;
-  if (scene.d) summary.unknowns.mpm = scene.d->material_points;
+  summary.unknowns.mpm = scene.model->material_points;
   if (scene.d && scene.d->sets) {
     const xfem::CutReport& report = scene.d->sets->report();
     auto& results = summary.results;

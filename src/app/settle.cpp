@@ -97,17 +97,19 @@ void move_into(const geom::Frame& frame, double finest, SceneOptions& options)
   snap_cracks(options);
 }
 
+double read_elements(MPI_Comm comm, mesh::MeshOptions& mesh)
+{
+  if (!mesh.file.empty()) return mesh::load(comm, mesh);
+  if (mesh.cells[0] < 1) return std::numeric_limits<double>::infinity();
+  return std::min(mesh.box.size()[0] / mesh.cells[0], mesh.box.size()[1] / mesh.cells[1]);
+}
+
 void settle(MPI_Comm comm, SceneOptions& options)
 {
   const auto everywhere = [](const Vector<2>&) { return true; };
   (void)crack::CrackSet(options.cracks.lines, everywhere, 1.0); // refuses crooked ones as they are given
-  double edge = std::numeric_limits<double>::infinity();
-  mesh::MeshOptions& mesh = options.mesh;
-  if (!mesh.file.empty())
-    edge = mesh::load(comm, mesh);
-  else if (mesh.cells[0] > 0)
-    edge = std::min(mesh.box.size()[0] / mesh.cells[0], mesh.box.size()[1] / mesh.cells[1]);
-  move_into(geom::Frame(mesh.box), finest_of(options, edge), options);
+  const double edge = read_elements(comm, options.mesh);
+  move_into(geom::Frame(options.mesh.box), finest_of(options, edge), options);
   if (!options.pd.seeded) return;
   plant_seeds(comm, options);
   snap_patches(options);

@@ -237,7 +237,10 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
     cracks_->write_results(results);
     cracks_->write_paths();
   }
-  d_->add_results(driver.local(), driver.v(), results);
+  if (d_->bodies) {
+    results["material_points"] = d_->material_points;
+    d_->bodies->add_results(driver.local(), driver.v(), results);
+  }
   if (largest_energy_ > 0.0) {
     results["energy_drift_ratio"] = largest_residual_ / largest_energy_;
     if (files_.summary.unknowns.pd > 0)

@@ -20,21 +20,33 @@ struct BodyRows {
 };
 
 /// Momentum, angular momentum and mean velocity of the bodies of a scene, and what they do to each other where they
-/// touch: as history.csv and the results tell them. All methods but `more_columns` are collective.
-template <int Dim> class BodyBooks {
+/// touch: as history.csv and the results tell them. All but `more_columns` and `kinetic` are collective.
+class BodyLedger {
+public:
+  virtual ~BodyLedger() = default;
+  virtual std::vector<io::Column> more_columns() const = 0;
+  /// @param local displacement, with its halo [m]   @param velocity of owned components [m/s]
+  virtual void add_more(std::span<const double> local, std::span<const double> velocity,
+                        std::vector<double>& row) const = 0;
+  /// `momentum_error_ratio` of bodies that nothing holds or loads, `rebound_ratio` of two that met.
+  virtual void add_results(std::span<const double> local, std::span<const double> velocity,
+                           nlohmann::ordered_json& results) const = 0;
+  /// 1/2 m v^2 of the first `rows` rows of bodies before `end`, this rank's part [J].
+  virtual double kinetic(std::span<const double> velocity, Index rows, Index end) const = 0;
+};
+
+template <int Dim> class BodyBooks final : public BodyLedger {
 public:
   /// @param system bound, with its initial velocity; outlives this
   /// @param contact null where nothing touches; outlives this
   BodyBooks(const field::System& system, BodyRows rows, const couple::ContactBooks* contact);
 
-  std::vector<io::Column> more_columns() const;
-  /// @param local displacement, with its halo [m]   @param velocity of owned components [m/s]
-  void add_more(std::span<const double> local, std::span<const double> velocity, std::vector<double>& row) const;
-  /// `momentum_error_ratio` of bodies that nothing holds or loads, `rebound_ratio` of two that met.
+  std::vector<io::Column> more_columns() const override;
+  void add_more(std::span<const double> local, std::span<const double> velocity,
+                std::vector<double>& row) const override;
   void add_results(std::span<const double> local, std::span<const double> velocity,
-                   nlohmann::ordered_json& results) const;
-  /// 1/2 m v^2 of the first `rows` rows of bodies before `end`, this rank's part [J].
-  double kinetic(std::span<const double> velocity, Index rows, Index end) const;
+                   nlohmann::ordered_json& results) const override;
+  double kinetic(std::span<const double> velocity, Index rows, Index end) const override;
 
 private:
   struct Sums {

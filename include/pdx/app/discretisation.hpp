@@ -1,10 +1,8 @@
 #pragma once
 #include "pdx/adapt/scene_view.hpp"
-#include "pdx/app/body_books.hpp"
 #include "pdx/app/model.hpp"
 #include "pdx/app/patches.hpp"
 #include "pdx/app/point_output.hpp"
-#include "pdx/couple/contact_term.hpp"
 #include "pdx/couple/fracture.hpp"
 #include "pdx/couple/loose_parts.hpp"
 #include "pdx/couple/node_field.hpp"
@@ -35,13 +33,8 @@ struct Discretisation final : Model {
   const PatchPlan* patch_plan = nullptr;    ///< likewise
   mpm::PointTerm<2>* points = nullptr;      ///< null too where patches cover them all
   std::vector<CellOfBody<2>> point_cells;   ///< those of `points`
-  std::int64_t material_points = 0;         ///< of all ranks
-  couple::ContactTerm<2>* contact = nullptr;
-  couple::ContactBooks* contact_books = nullptr;
-  std::vector<std::string> body_names;
-  std::vector<std::uint8_t> stays; ///< per local cell: particles cannot take it
-  std::vector<Index> body_of_row;  ///< place in `body_names`, of owned rows
-  std::unique_ptr<BodyBooks<2>> bodies;
+  std::vector<std::uint8_t> stays;          ///< per local cell: particles cannot take it
+  BodyRows body_rows;
   ///@}
   std::vector<std::uint8_t> side_held; ///< per owned component of nodes: held, and particles there would not be as well
   adapt::SceneView view(const mesh::Mesh& mesh) const; ///< there are patches
@@ -57,12 +50,6 @@ struct Discretisation final : Model {
   std::vector<io::Column> more_columns() const override;
   void add_more(std::span<const double> local, std::span<const double> velocity,
                 std::vector<double>& row) const override;
-  void add_results(std::span<const double> local, std::span<const double> velocity,
-                   nlohmann::ordered_json& results) const override;
-  std::vector<double> rank_sums() const override;
-  void resume_sums(std::span<const double> sums) const override;
-  std::optional<NamedGrips> grips() const override;
-  void set_grips(const NamedGrips& grips) const override;
   /// Displacement of every local vertex, 2 each [m]. Collective.
   std::vector<double> vertex_displacement(Vec u) const;
 };

@@ -25,7 +25,4 @@ void add_bodies(const mesh::Mesh& mesh, const SceneOptions& options, Discretisat
 
 /// Begins the books of the bodies. Collective, once the system is bound.
 void keep_books(Discretisation& d);
-
-/// Of each local vertex, a body it is of.
-std::vector<Index> vertex_bodies(const mesh::Mesh& mesh);
 } // namespace pdx::app

@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/app/body_books.hpp"
 #include "pdx/app/scene_options.hpp"
 #include "pdx/couple/step_breaker.hpp"
 #include "pdx/field/output_field.hpp"
@@ -25,6 +26,21 @@ struct NamedGrips {
   std::vector<double> numbers;      ///< of each: the weights of these, and the stretch [m]
 };
 
+/// What bodies that touch keep besides the state of rows.
+class Touching {
+public:
+  virtual ~Touching() = default;
+  virtual void add_energies(std::span<const double> local, post::Energies& mine) const = 0; ///< [J]
+  virtual const couple::ContactBooks* books() const = 0;
+  /// Sums since the start, this rank's part, and the way back: ranks may be others, if all are added up.
+  ///@{
+  virtual std::vector<double> sums() const = 0;
+  virtual void resume(std::span<const double> sums) = 0;
+  ///@}
+  virtual std::optional<NamedGrips> grips() const = 0; ///< none where nothing rubs; collective
+  virtual void hold(const NamedGrips& grips) = 0;      ///< points that are not here any more are let go
+};
+
 /// A scene with its rows, Terms and conditions, in the plane or in space: all that stepping through time and recording
 /// ask of it.
 struct Model {
@@ -40,7 +56,8 @@ struct Model {
   couple::BondBreaker* breaker = nullptr; ///< borrowed from system.after_step; null in statics or if nothing can break
   std::vector<double> critical_stretch;   ///< per patch [-]; empty if nothing can break
   std::vector<HeldPart> held_parts;
-  Index ghosts = 0; ///< on all ranks [-]
+  Index ghosts = 0;                 ///< on all ranks [-]
+  std::int64_t material_points = 0; ///< likewise
 
   /// This rank's strain energies at local blocks u [J]. Collective.
   virtual post::Energies energies(std::span<const double> local) const = 0;
@@ -51,31 +68,30 @@ struct Model {
   };
   virtual Tiles tiles() const = 0;
 
-  /// What history.csv and the results say of this kind of scene besides. @param local displacement, with its halo [m]
-  /// @param velocity of owned components [m/s]   The last two are collective.
+  std::unique_ptr<BodyLedger> bodies; ///< null where bodies are not told apart
+  std::unique_ptr<Touching> touching; ///< null where nothing touches
+
+  /// What history.csv says of this kind of scene besides. @param local displacement, with its halo [m]
+  /// @param velocity of owned components [m/s]   The last is collective.
   ///@{
-  virtual std::vector<io::Column> more_columns() const { return {}; }
+  virtual std::vector<io::Column> more_columns() const
+  {
+    return bodies ? bodies->more_columns() : std::vector<io::Column>{};
+  }
   virtual void add_more(std::span<const double> local, std::span<const double> velocity, std::vector<double>& row) const
   {
-    (void)local, (void)velocity, (void)row;
-  }
-  virtual void add_results(std::span<const double> local, std::span<const double> velocity,
-                           nlohmann::ordered_json& results) const
-  {
-    (void)local, (void)velocity, (void)results;
+    if (bodies) bodies->add_more(local, velocity, row);
   }
   ///@}
 
-  /// Sums since the start that this kind of scene keeps, this rank's part, and the way back: ranks may be others, if
-  /// all are added up.
+  /// What of the sums since the start is this kind of scene's: `Touching::sums`.
   ///@{
-  virtual std::vector<double> rank_sums() const { return {}; }
-  virtual void resume_sums(std::span<const double> sums) const { (void)sums; }
+  std::vector<double> rank_sums() const { return touching ? touching->sums() : std::vector<double>{}; }
+  void resume_sums(std::span<const double> sums) const
+  {
+    if (touching) touching->resume(sums);
+  }
   ///@}
-
-  /// None where nothing rubs. Collective.
-  virtual std::optional<NamedGrips> grips() const { return std::nullopt; }
-  virtual void set_grips(const NamedGrips& grips) const { (void)grips; }
 };
 
 /// The cracks that are there from the start. Throws UserError for one that is nowhere in the body.

@@ -1,8 +1,7 @@
 #pragma once
-#include "pdx/app/body_books.hpp"
 #include "pdx/app/model.hpp"
+#include "pdx/app/point_output.hpp"
 #include "pdx/app/point_plan.hpp"
-#include "pdx/couple/contact_term.hpp"
 #include "pdx/field/output_field.hpp"
 #include "pdx/field/row_name.hpp"
 #include "pdx/mpm/point_term.hpp"
@@ -12,7 +11,6 @@ namespace pdx::app {
 struct PointModel : Model {
   std::string description;                ///< that a checkpoint of the same bodies shares
   std::vector<field::RowName> node_names; ///< of the owned rows
-  std::int64_t points = 0;                ///< of all ranks
 
   /// Fields of the owned points. @param local displacement [owned | halo] [m]   @param velocity likewise [m/s]
   virtual field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const = 0;
@@ -43,34 +41,18 @@ template <int Dim> struct PointRows {
   PointRows(const PointPlan<Dim>& plan, const mesh::Mesh& mesh);
 };
 
-} // namespace pdx::app
-namespace pdx::couple {
-class ContactBooks;
-}
-
-namespace pdx::app {
 template <int Dim> struct PointBody : PointModel {
   PointBody(const PointPlan<Dim>& filled, const mesh::Mesh& mesh) : plan(filled), grid(filled, mesh) {}
 
   const PointPlan<Dim>& plan; ///< outlives this
   PointRows<Dim> grid;
-  mpm::PointTerm<Dim>* term = nullptr;         ///< borrowed from system.terms
-  couple::ContactTerm<Dim>* contact = nullptr; ///< likewise; null where nothing touches
-  couple::ContactBooks* books = nullptr;       ///< of it; borrowed from system.after_step
-  std::unique_ptr<BodyBooks<Dim>> bodies;
+  mpm::PointTerm<Dim>* term = nullptr; ///< borrowed from system.terms
+
+  std::vector<CellOfBody<Dim>> owned_cells() const; ///< with points, in order of the mesh
+  BodyRows rows_of_bodies() const;
 
   post::Energies energies(std::span<const double> local) const override;
   field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const override;
-  std::vector<io::Column> more_columns() const override;
-  void add_more(std::span<const double> local, std::span<const double> velocity,
-                std::vector<double>& row) const override;
-  void add_results(std::span<const double> local, std::span<const double> velocity,
-                   nlohmann::ordered_json& results) const override;
-
-  std::vector<double> rank_sums() const override;
-  void resume_sums(std::span<const double> sums) const override;
-  std::optional<NamedGrips> grips() const override;
-  void set_grips(const NamedGrips& grips) const override;
 };
 
 /// Collective. Throws UserError for conditions that are nowhere.
@@ -81,10 +63,6 @@ std::unique_ptr<PointBody<Dim>> discretise(const SceneOptions& options, const Po
 
 /// What the bodies of a plan share with those that a checkpoint is of.
 template <int Dim> std::string described(const PointPlan<Dim>& plan);
-
-/// Adds the Term of contact between two bodies or more, if they may touch. Collective. Throws UserError for bodies that
-/// overlap.
-template <int Dim> void add_contact(const SceneOptions& options, PointBody<Dim>& body);
 
 /// Turns the boundary conditions into prescribed components and loads of `body.system`; they act on nodes of the grids
 /// that lie on a side or in a box, which reaches through space, and loads on the points there or all. Collective.

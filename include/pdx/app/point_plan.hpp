@@ -23,7 +23,8 @@ template <int Dim> struct PointPlan {
   /// Layers along z with points, of a column of cells; with nodes, of one of nodes. Ascending; in the plane 0 alone.
   std::vector<Index> cell_layers(const Column& column) const;
   std::vector<Index> node_layers(const Column& column) const;
-  std::int64_t count() const; ///< of all points
+  std::int64_t count() const;                       ///< of all points
+  std::vector<mpm::BodyMaterial> materials() const; ///< of the bodies
 };
 
 /// Fills the bodies, and moves the options into the frame around them and the elements, if there are any. In a scene
