@@ -10,7 +10,7 @@
 namespace pdx::fem {
 namespace {
 /// With more shapes the matrices of the elements no longer stay in cache, and a sparse matrix is as good.
-constexpr std::size_t kMostShapes = 16;
+constexpr int kMostShapes = 16;
 
 /// Largest eigenvalue of the stiffness over the lumped mass of unit density and thickness [N/m^3].
 double largest_ratio(const ElementMatrix& stiffness, const Eigen::Vector4d& areas)
@@ -43,6 +43,11 @@ void ElasticTerm::keep_stiffness()
   ReusedStiffness reused(body_.law);
   for (const Index c : cells_) {
     const ElementMatrix& k = reused.of(body_.mesh.corners(c));
+    if (reused.integrations() > kMostShapes) {
+      stiffness_.clear();
+      shape_.clear();
+      return;
+    }
     if (reused.integrations() > static_cast<int>(stiffness_.size())) stiffness_.push_back(k);
     shape_.push_back(reused.integrations() - 1);
   }
@@ -64,16 +69,23 @@ void ElasticTerm::bind(const field::RowHalo& halo)
       if (row < 0) row = halo.local(node_rows_[static_cast<std::size_t>(v)]);
     }
   sort_out_free_cells();
+  sort_for_sweeps();
+}
+
+void ElasticTerm::sort_for_sweeps()
+{
+  std::vector<ElementSweep::Element> elements;
+  for (std::size_t k = 0; k < cells_.size(); ++k)
+    elements.push_back({body_.mesh.corners(cells_[k]), rows_of(cells_[k]), counted_[k] != 0});
+  sweep_ = ElementSweep(body_.law, body_.kinematics, elements, owned_rows_);
 }
 
 void ElasticTerm::sort_out_free_cells()
 {
   free_.clear();
   border_.clear();
-  border_at_.clear();
-  const bool assembled = stiffness_.size() > kMostShapes || stiffness_.empty();
-  for (std::size_t shape = 0; !assembled && shape < stiffness_.size(); ++shape) {
-    const ElementMatrix& k = stiffness_[shape];
+  const bool assembled = stiffness_.empty();
+  for (const ElementMatrix& k : stiffness_) {
     free_.push_back({k, k, {}});
     for (int a = 0; a < 4; ++a) free_.back().off_diagonal.block<2, 2>(2 * a, 2 * a).setZero();
   }
@@ -81,10 +93,8 @@ void ElasticTerm::sort_out_free_cells()
     const CellRows rows = rows_of(cells_[k]);
     if (!assembled && std::ranges::all_of(rows, [&](Index row) { return row < owned_rows_; })) {
       free_[static_cast<std::size_t>(shape_[k])].rows.push_back(rows);
-    } else {
+    } else
       border_.push_back(cells_[k]);
-      border_at_.push_back(k);
-    }
   }
 }
 
@@ -95,54 +105,14 @@ ElasticTerm::CellRows ElasticTerm::rows_of(Index cell) const
   return rows;
 }
 
-ElementVector ElasticTerm::displacement_of(const CellRows& rows, std::span<const double> u) const
-{
-  ElementVector d;
-  for (int a = 0; a < 4; ++a) {
-    const auto at = 2 * static_cast<std::size_t>(rows[static_cast<std::size_t>(a)]);
-    d.segment<2>(2 * a) << u[at], u[at + 1];
-  }
-  return d;
-}
-
 void ElasticTerm::add_residual(std::span<const double> u, std::span<double> r) const
 {
   static Event event("fe_residual");
   const Timed timed(event);
-  for (const FreeCells& shape : free_)
-    add_element_action(std::span<const double, 64>(shape.stiffness.data(), 64), shape.rows, u.data(), r.data());
-  for (const std::size_t k : border_at_) add_border_force(k, u, r);
+  sweep_.add_force(u, r);
 }
 
-void ElasticTerm::add_border_force(std::size_t k, std::span<const double> u, std::span<double> r) const
-{
-  const CellRows rows = rows_of(cells_[k]);
-  const ElementVector d = displacement_of(rows, u);
-  ElementVector force;
-  if (body_.kinematics == Kinematics::small)
-    force.noalias() = stiffness_of(k) * d;
-  else
-    force = element_force(body_.mesh.corners(cells_[k]), d, body_.law, body_.kinematics);
-  for (std::size_t a = 0; a < 4; ++a) {
-    if (rows[a] >= owned_rows_) continue;
-    const auto at = 2 * static_cast<std::size_t>(rows[a]);
-    r[at] += force[static_cast<Index>(2 * a)];
-    r[at + 1] += force[static_cast<Index>(2 * a + 1)];
-  }
-}
-
-double ElasticTerm::energy(std::span<const double> u) const
-{
-  const bool small = body_.kinematics == Kinematics::small;
-  double sum = 0.0;
-  for (std::size_t k = 0; k < cells_.size(); ++k) {
-    if (!counted_[k]) continue;
-    const ElementVector d = displacement_of(rows_of(cells_[k]), u);
-    sum += small ? 0.5 * d.dot(stiffness_of(k) * d)
-                 : element_energy(body_.mesh.corners(cells_[k]), d, body_.law, body_.kinematics);
-  }
-  return sum;
-}
+double ElasticTerm::energy(std::span<const double> u) const { return sweep_.energy(u); }
 
 void ElasticTerm::linearise(std::span<const double> u)
 {

@@ -1,6 +1,6 @@
 #pragma once
 #include "grid_shape.hpp"
-#include "node_lines.hpp"
+#include "pdx/base/node_lanes.hpp"
 #include "pdx/law/solid_law.hpp"
 #include "pdx/mpm/grid_kernel.hpp"
 

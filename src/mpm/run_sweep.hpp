@@ -1,6 +1,6 @@
 #pragma once
 #include "cell_work.hpp"
-#include "node_lines.hpp"
+#include "pdx/base/node_lanes.hpp"
 #include "pdx/mpm/point_kernel.hpp"
 
 /// Full cells of R^Dim points, lanes of neighbouring cells along x. Gradients by x are the same for points of one y and

@@ -1,11 +1,13 @@
 #pragma once
 #include "pdx/fem/assembly.hpp"
+#include "pdx/fem/element_sweep.hpp"
 #include "pdx/field/term.hpp"
 
 namespace pdx::fem {
-/// Elements of the plain cells. Small strain on a mesh of few shapes acts without a matrix where all nodes of a cell
-/// are owned; what is left to the sparse part are diagonal blocks and the cells at the border of the rank.
-/// The uses of the cells are read once, at construction; the mesh must outlive the Term.
+/// Elements of the plain cells. Forces and energies come from a sweep in lanes. The tangent of small strain on a mesh
+/// of few shapes acts without a matrix where all nodes of a cell are owned; what is left to the sparse part are
+/// diagonal blocks and the cells at the border of the rank. The uses of the cells are read once, at construction; the
+/// mesh must outlive the Term.
 class ElasticTerm final : public field::Term {
 public:
   /// @param node_rows global row of every local vertex, -1 where no plain cell needs one; the rows of owned vertices
@@ -29,11 +31,9 @@ public:
 private:
   using CellRows = std::array<Index, 4>;
   CellRows rows_of(Index cell) const;
-  ElementVector displacement_of(const CellRows& rows, std::span<const double> u) const;
-  const ElementMatrix& stiffness_of(std::size_t k) const { return stiffness_[static_cast<std::size_t>(shape_[k])]; }
   void keep_stiffness();
   void sort_out_free_cells();
-  void add_border_force(std::size_t k, std::span<const double> u, std::span<double> r) const;
+  void sort_for_sweeps();
   void add_free_diagonal(field::BlockAdder& adder) const;
 
   /// Cells of one shape that need no matrix.
@@ -45,15 +45,16 @@ private:
 
   ElasticBody body_;
   std::vector<PetscInt> node_rows_;
-  std::vector<Index> cells_;              ///< plain cells that touch an owned vertex or are owned
-  std::vector<std::uint8_t> counted_;     ///< per entry of cells_: 1 if its energy is counted by this rank
-  std::vector<Index> shape_;              ///< per entry of cells_: its entry of stiffness_ (small only)
-  std::vector<ElementMatrix> stiffness_;  ///< of the distinct shapes, in order of appearance (small only) [N/m]
-  std::vector<Index> local_rows_;         ///< per local vertex, -1 where unused
+  std::vector<Index> cells_;          ///< plain cells that touch an owned vertex or are owned
+  std::vector<std::uint8_t> counted_; ///< per entry of cells_: 1 if its energy is counted by this rank
+  std::vector<Index> shape_;          ///< per entry of cells_: its entry of stiffness_, if that has any
+  std::vector<ElementMatrix>
+      stiffness_;                 ///< of the distinct shapes, in order of appearance; none if finite, or many [N/m]
+  std::vector<Index> local_rows_; ///< per local vertex, -1 where unused
   std::vector<double> node_displacement_; ///< 2 per local vertex, at the last linearisation (finite only) [m]
   std::vector<FreeCells> free_;           ///< by shape
   std::vector<Index> border_;             ///< cells that are not free
-  std::vector<std::size_t> border_at_;    ///< their entries of cells_
+  ElementSweep sweep_;                    ///< over cells_
   Index owned_rows_ = 0;
 };
 } // namespace pdx::fem

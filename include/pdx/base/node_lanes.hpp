@@ -5,7 +5,7 @@
 #include <utility>
 
 /// Blocks of Dim values of neighbouring rows as one vector per component, and back.
-namespace pdx::mpm {
+namespace pdx {
 template <int W, int Dim> using NodeLanes = Lanes<W>[Dim];
 
 namespace lines {
@@ -78,4 +78,4 @@ template <int W, int Dim> PDX_INLINE void add_nodes(const NodeLanes<W, Dim>& x, 
   for (std::ptrdiff_t l = 0; l < count; ++l)
     for (int d = 0; d < Dim; ++d) p[l * Dim + d] += x[d][l];
 }
-} // namespace pdx::mpm
+} // namespace pdx
