@@ -1,4 +1,4 @@
-"""The benchmarks of explicit dynamics: bond kernels, the whole program, run time against error, ranks."""
+"""The benchmarks of explicit dynamics: kernels of bonds and elements, the whole program, run time against error, ranks."""
 import os
 import statistics
 import sys
@@ -59,6 +59,28 @@ class MotionBench(Bench):
                    ["particles", "lane strips [1e9 bonds/s]", "over the scalar list", "over the gathered list",
                     "AVX2 over AVX-512 (goal 0.8)", "whole step / forces (goal 1.3)"], rows)
         self.kernel_picture(rates)
+
+    def elements(self):
+        """Forces of elements in explicit steps: rectangles in rows, skewed cells in lanes, against what they replace."""
+        rates = self.kernel_rates("bench_element_kernel")
+        self.results["elements"] = rates
+        before = {"finite": ("one_by_one", "one_by_one_skewed"), "linear": ("shared_stiffness", "kept_stiffness_skewed")}
+        goals = {"finite": ("6", "16"), "linear": ("4", "14")}
+        rows = []
+        for size, name in (("plate49", "49 x 49"), ("plate500", "500 x 500")):
+            for strain, old in before.items():
+                for kernel, replaced, goal in zip(("rows", "lanes"), old, goals[strain]):
+                    nanoseconds = {key: 1e9 / rates[f"{size}/{strain}/{key}"] for key in
+                                   (replaced, *(f"{kernel}_{v}" for v in ("avx512", "avx512_energy", "avx2", "portable")))
+                                   if f"{size}/{strain}/{key}" in rates}
+                    shown = [f"{nanoseconds[key]:.2f}" if key in nanoseconds else "-" for key in
+                             (replaced, f"{kernel}_avx512", f"{kernel}_avx512_energy", f"{kernel}_avx2", f"{kernel}_portable")]
+                    fastest = min(nanoseconds.values())
+                    rows.append([name, f"{strain}, {'rectangles' if kernel == 'rows' else 'skewed'}", shown[0],
+                                 f"{shown[1]} (goal {goal})", *shown[2:], f"**{nanoseconds[replaced] / fastest:.1f}**"])
+        self.table("Forces of elements, ns per element, one core",
+                   ["elements", "strain, cells", "one by one", "AVX-512", "its energy", "AVX2", "portable", "times faster"],
+                   rows)
 
     def kernel_picture(self, rates):
         figure, axes = plt.subplots(figsize=(6.2, 3.2))

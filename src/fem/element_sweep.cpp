@@ -115,25 +115,25 @@ ElementSweep::ElementSweep(const law::Elastic& law, Kinematics kinematics, std::
   }
 }
 
-double ElementSweep::sweep(const Part& part, SweepWork work, const SweepFields& fields) const
-{
-  double energy = sweep_rectangles(processor_, part.runs, law_, kinematics_, work, fields);
-  for (const QuadBlocks& blocks : part.blocks)
-    energy += sweep_quads(processor_, blocks, law_, kinematics_, work, fields);
-  return energy;
-}
-
 void ElementSweep::add_force(std::span<const double> u, std::span<double> r) const
 {
+  if (r.empty()) return;
   const SweepFields fields{u.data(), std::ssize(u) / 2, r.data(), std::ssize(r) / 2};
-  for (const Part& part : parts_) sweep(part, SweepWork::force, fields);
+  for (const Part& part : parts_) {
+    add_sweep_forces(processor_, part.runs, law_, kinematics_, fields);
+    for (const QuadBlocks& blocks : part.blocks) add_sweep_forces(processor_, blocks, law_, kinematics_, fields);
+  }
 }
 
 double ElementSweep::energy(std::span<const double> u) const
 {
   double sum = 0.0;
-  for (const Part& part : parts_)
-    if (part.counted) sum += sweep(part, SweepWork::energy, {u.data(), std::ssize(u) / 2, nullptr, 0});
+  const SweepFields fields{u.data(), std::ssize(u) / 2, nullptr, 0};
+  for (const Part& part : parts_) {
+    if (!part.counted) continue;
+    sum += sweep_energy(processor_, part.runs, law_, kinematics_, fields);
+    for (const QuadBlocks& blocks : part.blocks) sum += sweep_energy(processor_, blocks, law_, kinematics_, fields);
+  }
   return sum;
 }
 

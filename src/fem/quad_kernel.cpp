@@ -29,8 +29,8 @@ template <class T> PDX_INLINE void invert(const T (&x)[2][2], T (&inverse)[2][2]
   inverse[1][1] = of_second * x[1][0];
 }
 
-/// Forces on the corners of W elements if `forces`; @return their energies if `energetic`.
-template <int W, bool finite, bool forces, bool energetic>
+/// Forces on the corners of W elements, or else their energies.
+template <int W, bool finite, bool forces>
 PDX_INLINE Lanes<W> element(const Constants& m, const double* sides, const Pair<Lanes<W>> (&u)[4],
                             Pair<Lanes<W>> (&f)[4])
 {
@@ -62,7 +62,7 @@ PDX_INLINE Lanes<W> element(const Constants& m, const double* sides, const Pair<
         shear += dot(a, b);
       }
       const T sx = m.c11 * xx + m.c12 * yy, sy = m.c12 * xx + m.c11 * yy, s = m.mu * shear;
-      if constexpr (energetic) energy += (0.5 * det[i][j]) * (sx * xx + sy * yy + s * shear);
+      if constexpr (!forces) energy += (0.5 * det[i][j]) * (sx * xx + sy * yy + s * shear);
       if constexpr (forces) {
         Pair<T> px{sx, s}, py{s, sy};
         if constexpr (finite) {
@@ -124,29 +124,19 @@ struct Sweep {
   const QuadBlocks& blocks;
   const Constants constants;
   Kinematics kinematics;
-  SweepWork work;
   const SweepFields& fields;
   double& energy;
 
   template <int W> PDX_INLINE void run() const
   {
-    if (kinematics == Kinematics::finite)
-      with_kinematics<W, true>();
+    if (fields.r)
+      kinematics == Kinematics::finite ? over_blocks<W, true, true>() : over_blocks<W, false, true>();
     else
-      with_kinematics<W, false>();
+      kinematics == Kinematics::finite ? over_blocks<W, true, false>() : over_blocks<W, false, false>();
   }
 
 private:
-  template <int W, bool finite> PDX_INLINE void with_kinematics() const
-  {
-    if (work == SweepWork::force)
-      over_blocks<W, finite, true, false>();
-    else if (work == SweepWork::energy)
-      over_blocks<W, finite, false, true>();
-    else
-      over_blocks<W, finite, true, true>();
-  }
-  template <int W, bool finite, bool forces, bool energetic> PDX_INLINE void over_blocks() const
+  template <int W, bool finite, bool forces> PDX_INLINE void over_blocks() const
   {
     using T = Lanes<W>;
     T sum{};
@@ -155,9 +145,9 @@ private:
       Pair<T> u[4], f[4];
       PDX_UNROLL
       for (int a = 0; a < 4; ++a) u[a] = take<W>(fields.u, rows + a * W);
-      const T energies = element<W, finite, forces, energetic>(constants, blocks.sides.data() + kSides * first, u, f);
+      const T energies = element<W, finite, forces>(constants, blocks.sides.data() + kSides * first, u, f);
       const std::ptrdiff_t count = std::min<std::ptrdiff_t>(W, blocks.elements - first);
-      if constexpr (energetic) {
+      if constexpr (!forces) {
         if (count == W)
           sum += energies;
         else
@@ -171,7 +161,7 @@ private:
           put_some<W>(f, rows, count);
       }
     }
-    if constexpr (energetic)
+    if constexpr (!forces)
       for (int l = 0; l < W; ++l) energy += sum[l];
   }
   template <int W> PDX_INLINE void put_some(const Pair<Lanes<W>> (&f)[4], const Index* rows, std::ptrdiff_t count) const
@@ -214,11 +204,19 @@ QuadBlocks quad_blocks(Processor processor, std::span<const std::array<Vector<2>
   return blocks;
 }
 
-double sweep_quads(Processor processor, const QuadBlocks& blocks, const law::Elastic& law, Kinematics kinematics,
-                   SweepWork work, const SweepFields& fields)
+void add_sweep_forces(Processor processor, const QuadBlocks& blocks, const law::Elastic& law, Kinematics kinematics,
+                      const SweepFields& fields)
 {
   double energy = 0.0;
-  run_on(processor, quads::Sweep{blocks, quads::Constants(law), kinematics, work, fields, energy});
+  run_on(processor, quads::Sweep{blocks, quads::Constants(law), kinematics, fields, energy});
+}
+
+double sweep_energy(Processor processor, const QuadBlocks& blocks, const law::Elastic& law, Kinematics kinematics,
+                    const SweepFields& fields)
+{
+  double energy = 0.0;
+  const SweepFields read{fields.u, fields.rows, nullptr, 0};
+  run_on(processor, quads::Sweep{blocks, quads::Constants(law), kinematics, read, energy});
   return energy;
 }
 } // namespace pdx::fem

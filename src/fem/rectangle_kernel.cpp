@@ -20,8 +20,8 @@ struct Constants {
   }
 };
 
-/// Forces on the corners of W elements if `forces`; @return their energies if `energetic`.
-template <bool finite, bool forces, bool energetic, class T>
+/// Forces on the corners of W elements, or else their energies.
+template <bool finite, bool forces, class T>
 PDX_INLINE T element(const Constants& m, const Pair<T> (&u)[4], Pair<T> (&f)[4])
 {
   Pair<T> a[2], b[2]; // derivatives of u along the lines, on either Gauss line, and across
@@ -71,7 +71,7 @@ PDX_INLINE T element(const Constants& m, const Pair<T> (&u)[4], Pair<T> (&f)[4])
     to_corners(along, across, f);
   }
   T energy{};
-  if constexpr (energetic) {
+  if constexpr (!forces) {
     PDX_UNROLL
     for (int j = 0; j < 2; ++j)
       energy += 0.5 * (sx[j] * xx[j] + sy[j] * yy[j] + m.mu * (shear[0][j] * shear[0][j] + shear[1][j] * shear[1][j]));
@@ -91,7 +91,7 @@ __attribute__((noinline)) void add_some(const double* x, std::ptrdiff_t count, d
 }
 
 /// Goes along a run: the lanes of a vector are the nodes it moves over, so that each is loaded and added to once.
-template <int W, bool finite, bool forces, bool energetic, bool turned> struct RunSweep {
+template <int W, bool finite, bool forces, bool turned> struct RunSweep {
   using T = Lanes<W>;
   const SweepFields& fields;
   const RectangleRun& run;
@@ -169,7 +169,7 @@ private:
   PDX_INLINE T elements(const Pair<T> (&here)[2], const Pair<T> (&next)[2], Pair<T> (&f)[4]) const
   {
     const Pair<T> u[4] = {here[0], behind(here[0], next[0]), behind(here[1], next[1]), here[1]};
-    return element<finite, forces, energetic>(constants, u, f);
+    return element<finite, forces>(constants, u, f);
   }
   static PDX_INLINE Pair<T> behind(const Pair<T>& here, const Pair<T>& next)
   {
@@ -210,54 +210,52 @@ struct Sweep {
   std::span<const RectangleRun> runs;
   const law::Elastic& law;
   Kinematics kinematics;
-  SweepWork work;
   const SweepFields& fields;
   double& energy;
 
   template <int W> PDX_INLINE void run() const
   {
-    if (kinematics == Kinematics::finite)
-      with_kinematics<W, true>();
+    if (fields.r)
+      kinematics == Kinematics::finite ? over_runs<W, true, true>() : over_runs<W, false, true>();
     else
-      with_kinematics<W, false>();
+      kinematics == Kinematics::finite ? over_runs<W, true, false>() : over_runs<W, false, false>();
   }
 
 private:
-  template <int W, bool finite> PDX_INLINE void with_kinematics() const
-  {
-    if (work == SweepWork::force)
-      over_runs<W, finite, true, false>();
-    else if (work == SweepWork::energy)
-      over_runs<W, finite, false, true>();
-    else
-      over_runs<W, finite, true, true>();
-  }
-  template <int W, bool finite, bool forces, bool energetic> PDX_INLINE void over_runs() const
+  template <int W, bool finite, bool forces> PDX_INLINE void over_runs() const
   {
     Lanes<W> sum{};
     for (const RectangleRun& one : runs)
       if (one.turned)
-        sum = along<W, finite, forces, energetic, true>(one, sum);
+        sum = along<W, finite, forces, true>(one, sum);
       else
-        sum = along<W, finite, forces, energetic, false>(one, sum);
-    if constexpr (energetic)
+        sum = along<W, finite, forces, false>(one, sum);
+    if constexpr (!forces)
       for (int l = 0; l < W; ++l) energy += sum[l];
   }
-  template <int W, bool finite, bool forces, bool energetic, bool turned>
+  template <int W, bool finite, bool forces, bool turned>
   PDX_INLINE Lanes<W> along(const RectangleRun& one, Lanes<W> sum) const
   {
-    RunSweep<W, finite, forces, energetic, turned> sweep{fields, one, Constants(one, law), sum};
+    RunSweep<W, finite, forces, turned> sweep{fields, one, Constants(one, law), sum};
     sweep.along();
     return sweep.energy;
   }
 };
 } // namespace rectangles
 
-double sweep_rectangles(Processor processor, std::span<const RectangleRun> runs, const law::Elastic& law,
-                        Kinematics kinematics, SweepWork work, const SweepFields& fields)
+void add_sweep_forces(Processor processor, std::span<const RectangleRun> runs, const law::Elastic& law,
+                      Kinematics kinematics, const SweepFields& fields)
 {
   double energy = 0.0;
-  run_on(processor, rectangles::Sweep{runs, law, kinematics, work, fields, energy});
+  run_on(processor, rectangles::Sweep{runs, law, kinematics, fields, energy});
+}
+
+double sweep_energy(Processor processor, std::span<const RectangleRun> runs, const law::Elastic& law,
+                    Kinematics kinematics, const SweepFields& fields)
+{
+  double energy = 0.0;
+  const SweepFields read{fields.u, fields.rows, nullptr, 0};
+  run_on(processor, rectangles::Sweep{runs, law, kinematics, read, energy});
   return energy;
 }
 } // namespace pdx::fem

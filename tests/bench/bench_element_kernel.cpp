@@ -104,25 +104,30 @@ void kept_stiffness(benchmark::State& state, Index side, double shift)
   });
 }
 
-void in_rows(benchmark::State& state, Index side, Kinematics kinematics, fem::SweepWork work, Processor processor)
+template <class Elements>
+void sweep(Processor processor, const Elements& elements, Plate& plate, Kinematics kinematics, bool energy)
+{
+  if (energy)
+    benchmark::DoNotOptimize(fem::sweep_energy(processor, elements, plate.law, kinematics, plate.fields()));
+  else
+    fem::add_sweep_forces(processor, elements, plate.law, kinematics, plate.fields());
+}
+
+void in_rows(benchmark::State& state, Index side, Kinematics kinematics, bool energy, Processor processor)
 {
   if (processor > this_processor()) return state.SkipWithError("not for this processor");
   Plate plate(side, 0.0);
-  measure(state, plate, [&] {
-    benchmark::DoNotOptimize(fem::sweep_rectangles(processor, plate.runs, plate.law, kinematics, work, plate.fields()));
-  });
+  measure(state, plate, [&] { sweep(processor, plate.runs, plate, kinematics, energy); });
 }
 
-void in_lanes(benchmark::State& state, Index side, double shift, Kinematics kinematics, fem::SweepWork work,
+void in_lanes(benchmark::State& state, Index side, double shift, Kinematics kinematics, bool energy,
               Processor processor)
 {
   if (processor > this_processor()) return state.SkipWithError("not for this processor");
   Plate plate(side, shift);
   fem::QuadBlocks blocks = fem::quad_blocks(processor, plate.corners, plate.rows);
   blocks.inside = true;
-  measure(state, plate, [&] {
-    benchmark::DoNotOptimize(fem::sweep_quads(processor, blocks, plate.law, kinematics, work, plate.fields()));
-  });
+  measure(state, plate, [&] { sweep(processor, blocks, plate, kinematics, energy); });
 }
 
 void add_all()
@@ -131,8 +136,6 @@ void add_all()
   const std::pair<Kinematics, const char*> kinds[] = {{Kinematics::finite, "finite"}, {Kinematics::small, "linear"}};
   const std::pair<Processor, const char*> processors[] = {
       {Processor::avx512, "_avx512"}, {Processor::avx2, "_avx2"}, {Processor::any, "_portable"}};
-  const std::pair<fem::SweepWork, const char*> works[] = {
-      {fem::SweepWork::force, ""}, {fem::SweepWork::both, "_with_energy"}, {fem::SweepWork::energy, "_energy_alone"}};
   for (const Index side : {49, 500})
     for (const auto& [kind, word] : kinds) {
       const std::string start = "plate" + std::to_string(side) + "/" + word + "/";
@@ -147,12 +150,13 @@ void add_all()
         add("kept_stiffness_skewed", [=](benchmark::State& s) { kept_stiffness(s, side, shift); });
       }
       for (const auto& [processor, version] : processors)
-        for (const auto& [work, what] : works) {
+        for (const bool energy : {false, true}) {
           const Processor p = processor;
-          const fem::SweepWork w = work;
-          add(std::string("rows") + version + what, [=](benchmark::State& s) { in_rows(s, side, kinematics, w, p); });
+          const char* const what = energy ? "_energy" : "";
+          add(std::string("rows") + version + what,
+              [=](benchmark::State& s) { in_rows(s, side, kinematics, energy, p); });
           add(std::string("lanes") + version + what,
-              [=](benchmark::State& s) { in_lanes(s, side, shift, kinematics, w, p); });
+              [=](benchmark::State& s) { in_lanes(s, side, shift, kinematics, energy, p); });
         }
     }
 }

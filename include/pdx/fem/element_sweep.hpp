@@ -30,7 +30,6 @@ private:
     std::vector<RectangleRun> runs;
     std::vector<QuadBlocks> blocks;
   };
-  double sweep(const Part& part, SweepWork work, const SweepFields& fields) const;
 
   law::Elastic law_;
   Kinematics kinematics_ = Kinematics::small;

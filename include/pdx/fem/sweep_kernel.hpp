@@ -41,16 +41,19 @@ struct QuadBlocks {
 QuadBlocks quad_blocks(Processor processor, std::span<const std::array<Vector<2>, 4>> corners,
                        std::span<const std::array<Index, 4>> rows);
 
-/// What a sweep does.
-enum class SweepWork { force, energy, both };
-
-/// r += internal forces of the elements, unless energy alone is asked for. Forces differ by rounding from those of
-/// `element_force` (elastic_kernel.hpp), and are zero at rest.
-/// @return strain energy [J], 0 if forces alone are asked for
+/// r += internal forces of the elements. They differ by rounding from those of `element_force` (elastic_kernel.hpp),
+/// and are zero at rest.
 ///@{
-double sweep_rectangles(Processor processor, std::span<const RectangleRun> runs, const law::Elastic& law,
-                        Kinematics kinematics, SweepWork work, const SweepFields& fields);
-double sweep_quads(Processor processor, const QuadBlocks& blocks, const law::Elastic& law, Kinematics kinematics,
-                   SweepWork work, const SweepFields& fields);
+void add_sweep_forces(Processor processor, std::span<const RectangleRun> runs, const law::Elastic& law,
+                      Kinematics kinematics, const SweepFields& fields);
+void add_sweep_forces(Processor processor, const QuadBlocks& blocks, const law::Elastic& law, Kinematics kinematics,
+                      const SweepFields& fields);
+///@}
+/// Strain energy of the elements [J]; r is not looked at.
+///@{
+double sweep_energy(Processor processor, std::span<const RectangleRun> runs, const law::Elastic& law,
+                    Kinematics kinematics, const SweepFields& fields);
+double sweep_energy(Processor processor, const QuadBlocks& blocks, const law::Elastic& law, Kinematics kinematics,
+                    const SweepFields& fields);
 ///@}
 } // namespace pdx::fem
