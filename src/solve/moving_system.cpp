@@ -299,24 +299,29 @@ std::array<double, 3> MovingSystem::momentum(std::span<const double> velocity) c
 }
 
 namespace {
-/// sum of m x.x over rows begin ... end, in four sums that do not wait for each other.
+/// Adds m v.v and m a.a of rows begin ... end, in sums that do not wait for each other.
 template <std::size_t Dim>
-double weighed_squares(std::span<const double> mass, std::span<const double> x, std::size_t begin, std::size_t end)
+void add_weighed_squares(std::span<const double> mass, const double* v, const double* a, std::size_t begin,
+                         std::size_t end, double& vv, double& aa)
 {
   constexpr std::size_t abreast = 4;
-  Lanes<2> sums[abreast] = {};
+  Lanes<2> of_v[abreast] = {}, of_a[abreast] = {};
+  const auto square = [](const double* x) {
+    Lanes<2> xx = load<2>(x) * load<2>(x);
+    if constexpr (Dim == 3) xx[0] += x[2] * x[2];
+    return xx;
+  };
   const auto add = [&](std::size_t row, std::size_t to) {
-    const double* const of = x.data() + row * Dim;
-    Lanes<2> square = load<2>(of) * load<2>(of);
-    if constexpr (Dim == 3) square[0] += of[2] * of[2];
-    sums[to] += mass[row] * square;
+    of_v[to] += mass[row] * square(v + row * Dim);
+    of_a[to] += mass[row] * square(a + row * Dim);
   };
   std::size_t row = begin;
   for (; row + abreast <= end; row += abreast)
     for (std::size_t k = 0; k < abreast; ++k) add(row + k, k);
   for (; row < end; ++row) add(row, 0);
-  const Lanes<2> sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-  return sum[0] + sum[1];
+  const Lanes<2> sum_v = (of_v[0] + of_v[1]) + (of_v[2] + of_v[3]), sum_a = (of_a[0] + of_a[1]) + (of_a[2] + of_a[3]);
+  vv += sum_v[0] + sum_v[1];
+  aa += sum_a[0] + sum_a[1];
 }
 } // namespace
 
@@ -324,9 +329,9 @@ double weighed_squares(std::span<const double> mass, std::span<const double> x, 
 template <std::size_t Dim> void MovingSystem::add_squares(std::span<const double> a, double (&sums)[3]) const
 {
   const auto particles = static_cast<std::size_t>(system.rows.first_particle());
-  sums[2] = weighed_squares<Dim>(mass, v, particles, mass.size());
-  sums[0] = weighed_squares<Dim>(mass, v, 0, particles) + sums[2];
-  sums[1] = weighed_squares<Dim>(mass, a, 0, mass.size());
+  add_weighed_squares<Dim>(mass, v.data(), a.data(), 0, particles, sums[0], sums[1]);
+  add_weighed_squares<Dim>(mass, v.data(), a.data(), particles, mass.size(), sums[2], sums[1]);
+  sums[0] += sums[2];
 }
 
 KineticEnergy MovingSystem::kinetic_energy(std::span<const double> a, double step) const
