@@ -82,13 +82,23 @@ law::BondState<Dim> CarriedBonds<Dim>::state_of(std::size_t number, const Vector
 template <int Dim> double CarriedBonds<Dim>::energy(std::span<const double> u) const
 {
   double total = 0.0;
-  points_.spread(u, spread_);
-  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+  const auto add = [&](std::size_t number, const Vector<Dim>& eta) {
     const CarriedBond<Dim>& bond = bonds_[number];
-    if (gone_[number] || !counted(bond)) continue;
-    total += law::bond_energy(bond.kappa, rest_[number].length, state_of(number, spread_, kinematics_).stretch);
+    if (gone_[number] || !counted(bond)) return;
+    total += law::bond_energy(bond.kappa, rest_[number].length, state_of(number, eta, kinematics_).stretch);
+  };
+  if (!runs_) {
+    points_.spread(u, spread_);
+    for (std::size_t number = 0; number < bonds_.size(); ++number) add(number, stretch_vector(bonds_[number], spread_));
+    return total;
   }
-  return total;
+  const auto add_one = [&](std::size_t number) {
+    add(number, points_.displacement(bonds_[number].b, u) - points_.displacement(bonds_[number].a, u));
+  };
+  refresh_lanes();
+  for (const CarriedLanes<Dim>& lanes : lanes_) std::ranges::for_each(lanes.numbers(), add_one);
+  std::ranges::for_each(others_, add_one);
+  return total + runs_->energy(processor_, kinematics_ == pd::Kinematics::finite, u);
 }
 
 template <int Dim>

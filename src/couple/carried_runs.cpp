@@ -10,10 +10,8 @@ constexpr Index kFarthest =
     16; // places that a bond leads along a side: any block of 8 that moves on stays in the margins
 constexpr double kBorder = 1e-6;  // of a lattice cell: so near to its border is on it
 constexpr double kSame = 1e-11;   // two weights, apart by rounding
-constexpr std::size_t kLeast = 3; // bonds of a run
-constexpr std::size_t kWorth = 2; // bonds for each block of whatever their tile needs
-
-Index tile_of(Index place) { return place >= 0 ? place / kTile : -((kTile - 1 - place) / kTile); }
+constexpr std::size_t kLeast = 2; // bonds of a run
+constexpr double kWorth = 1.5;    // bonds for each block of whatever their tile needs
 
 /// The lattice cell in which a bond meets the side, counted from its particle's, and where in it; the border of two is
 /// the beginning of the upper one.
@@ -38,6 +36,12 @@ template <int Dim> bool weighs_as(const CarriedPoints<Dim>& points, Index a, Ind
   }
   return true;
 }
+/// Bonds of one kind are alike but for their places.
+template <int Dim> auto kind(const RunBond<Dim>& bond)
+{
+  return std::tuple(bond.leaves.depth, meeting(bond.leaves.along).cell, bond.no_fail, bond.xi[0], bond.xi[1]);
+}
+
 template <int Dim> bool same(const CarriedPoints<Dim>& points, Index a, Index b)
 {
   return a == b || (weighs_as(points, a, b) && weighs_as(points, b, a));
@@ -71,7 +75,7 @@ template <int Dim> class CarriedRuns<Dim>::Tile {
 public:
   Tile(const CarriedPoints<Dim>& points, std::span<const RunBond<Dim>> bonds) : points_(points)
   {
-    const auto kind = [](const RunBond<Dim>& b) { return std::tuple(b.leaves.depth, b.no_fail, b.xi[0], b.xi[1]); };
+    const auto kind = [](const RunBond<Dim>& b) { return carried_runs::kind(b); };
     for (auto first = bonds.begin(), end = first; first != bonds.end(); first = end) {
       end = std::find_if(first, bonds.end(), [&](const RunBond<Dim>& b) { return kind(b) != kind(*first); });
       take({first, end});
@@ -93,7 +97,7 @@ public:
       for (const Line& line : *lines)
         for (std::size_t k = 0; k < line.who.size(); k += kRunBlock)
           blocks += std::any_of(line.who.begin() + k, line.who.begin() + k + kRunBlock, [](Index w) { return w >= 0; });
-    return bonds >= carried_runs::kWorth * blocks;
+    return static_cast<double>(bonds) >= carried_runs::kWorth * static_cast<double>(blocks);
   }
 
   /// Rows that carry the points, ascending.
@@ -114,19 +118,19 @@ private:
   {
     std::vector<Piece> apart;
     for (const RunBond<Dim>& bond : bonds) {
-      const Index place =
-          bond.leaves.place - carried_runs::tile_of(bond.leaves.place) * carried_runs::kTile + carried_runs::kMargin;
+      const Index place = bond.leaves.place % carried_runs::kTile + carried_runs::kMargin;
       const auto fits = [&](const Piece& piece) {
         const auto& last = piece.lanes.back();
-        return last.place < place || carried_runs::same(points_, last.point, bond.point);
+        if (last.place == place) return carried_runs::same(points_, last.point, bond.point);
+        return place / kRunBlock <= last.place / kRunBlock + 1; // no block without bonds
       };
       auto piece = std::ranges::find_if(apart, fits);
       if (piece == apart.end()) piece = apart.insert(piece, Piece{});
       if (piece->lanes.empty() || piece->lanes.back().place < place) piece->lanes.push_back({place, bond.point, {}});
       piece->lanes.back().bonds.push_back(&bond);
     }
+    const auto [cell, within] = carried_runs::meeting(bonds.front().leaves.along);
     for (Piece& piece : apart) {
-      const auto [cell, within] = carried_runs::meeting(bonds.front().leaves.along);
       if (piece.lanes.size() < carried_runs::kLeast || std::abs(cell) > carried_runs::kFarthest) continue;
       piece.cell = cell;
       piece.from = line(from, bonds.front().leaves.depth, [](const Line&) { return true; });
@@ -169,15 +173,41 @@ private:
   const CarriedPoints<Dim>& points_;
 };
 
+/// Counts places on through all sides of a patch: those that lie alike have numbers next to each other, and their bonds
+/// are in the same runs. Between sides nothing meets: each has places for its particles and for its points.
+template <int Dim> void CarriedRuns<Dim>::join_sides(std::span<RunBond<Dim>> bonds)
+{
+  struct Extent {
+    Index first = std::numeric_limits<Index>::max(), last = std::numeric_limits<Index>::min(), begin = 0;
+  };
+  std::map<std::pair<Index, Index>, Extent> sides; // of each patch
+  for (const RunBond<Dim>& bond : bonds) {
+    Extent& side = sides[{bond.patch, bond.leaves.side}];
+    const Index place = bond.leaves.place, there = place + carried_runs::meeting(bond.leaves.along).cell;
+    side.first = std::min({side.first, place, there});
+    side.last = std::max({side.last, place, there});
+  }
+  Index begin = 0, patch = -1;
+  for (auto& [name, side] : sides) {
+    if (name.first != patch) begin = 0;
+    patch = name.first;
+    side.begin = begin;
+    begin += side.last - side.first + 1;
+  }
+  for (RunBond<Dim>& bond : bonds) {
+    const Extent& side = sides[{bond.patch, bond.leaves.side}];
+    bond.leaves.place += side.begin - side.first;
+  }
+}
+
 template <int Dim>
 CarriedRuns<Dim>::CarriedRuns(const CarriedPoints<Dim>& points, std::vector<RunBond<Dim>> bonds, Index owned)
     : owned_(owned)
 {
-  const auto tile = [](const RunBond<Dim>& b) {
-    return std::tuple(b.patch, b.leaves.side, carried_runs::tile_of(b.leaves.place));
-  };
+  join_sides(bonds);
+  const auto tile = [](const RunBond<Dim>& b) { return std::pair(b.patch, b.leaves.place / carried_runs::kTile); };
   const auto key = [&](const RunBond<Dim>& b) {
-    return std::tuple_cat(tile(b), std::tuple(b.leaves.depth, b.no_fail, b.xi[0], b.xi[1], b.leaves.place, b.number));
+    return std::tuple(tile(b), carried_runs::kind(b), b.leaves.place, b.number);
   };
   std::ranges::sort(bonds, {}, key);
   for (auto first = bonds.begin(), end = first; first != bonds.end(); first = end) {
@@ -191,7 +221,7 @@ CarriedRuns<Dim>::CarriedRuns(const CarriedPoints<Dim>& points, std::vector<RunB
 
 template <int Dim> void CarriedRuns<Dim>::add(const Tile& tile, const CarriedPoints<Dim>& points)
 {
-  constexpr Index line = 2 * Dim * carried_runs::kPlaces;
+  constexpr Index line = kRunParts<Dim> * carried_runs::kPlaces;
   const std::vector<Index> hosts = tile.hosts();
   Index at = 0;
   for (const Line& particles : tile.from) add_particles(particles, line * at++);
@@ -278,11 +308,8 @@ template <int Dim> void CarriedRuns<Dim>::add_run(const Piece& piece, Index from
   patches_.push_back(bond.no_fail ? -1 : bond.patch);
 }
 
-template <int Dim>
-bool CarriedRuns<Dim>::add_forces(Processor processor, bool finite, std::span<const double> u,
-                                  std::span<double> r) const
+template <int Dim> RunView<Dim> CarriedRuns<Dim>::view() const
 {
-  if (tiles_.empty()) return false;
   RunView<Dim> view;
   view.tiles = tiles_;
   view.particles = particles_;
@@ -297,7 +324,19 @@ bool CarriedRuns<Dim>::add_forces(Processor processor, bool finite, std::span<co
   view.scratch = scratch_.data();
   view.sums = sums_.data();
   view.far = far_.data();
-  return add_run_forces<Dim>(processor, view, finite, u.data(), owned_, r.data());
+  return view;
+}
+
+template <int Dim>
+bool CarriedRuns<Dim>::add_forces(Processor processor, bool finite, std::span<const double> u,
+                                  std::span<double> r) const
+{
+  return add_run_forces<Dim>(processor, view(), finite, u.data(), owned_, r.data());
+}
+
+template <int Dim> double CarriedRuns<Dim>::energy(Processor processor, bool finite, std::span<const double> u) const
+{
+  return run_energy<Dim>(processor, view(), finite, u.data(), owned_);
 }
 
 template class CarriedRuns<2>;

@@ -74,32 +74,37 @@ template <int W> struct Extremes {
 } // namespace run_kernel
 using namespace run_kernel;
 
-/// e = |xi + eta|^2 / |xi|^2 - 1 as a sum of small terms, so that small stretches keep their digits.
-template <int Dim> struct SweepRuns {
+/// The scratch of a tile, and its displacements.
+template <int Dim> struct RunScratch {
   const RunView<Dim>& view;
-  bool finite;
   const double* u;
   Index owned;
-  double* r;
-  bool& passed;
 
-  template <int W> PDX_INLINE void run() const
+  template <int W> PDX_INLINE void fill(const RunTile& begin, const RunTile& end) const
   {
-    typename Simd<W>::Mask over{};
-    RunTile from;
-    for (std::size_t t = 0; t < view.tiles.size(); ++t) {
-      const RunTile to = view.tiles[t];
-      for (std::size_t k = from.particles; k < to.particles; ++k) load_particles<W>(view.particles[k]);
-      const Index* const rows = view.rows.data() + from.rows;
-      for (std::size_t k = from.points; k < to.points; ++k) interpolate<W>(view.points[k], rows);
-      sweep_tile<W>(from, to, view.far[t], over);
-      for (std::size_t k = from.particles; k < to.particles; ++k) unload_particles<W>(view.particles[k]);
-      for (std::size_t k = from.points; k < to.points; ++k) hand_on<W>(view.points[k]);
-      fold<W>(rows, to.rows - from.rows);
-      from = to;
-    }
-    passed = any_true(over);
+    for (std::size_t k = begin.particles; k < end.particles; ++k) load_particles<W>(view.particles[k]);
+    const Index* const rows = view.rows.data() + begin.rows;
+    for (std::size_t k = begin.points; k < end.points; ++k) interpolate<W>(view.points[k], rows);
   }
+  PDX_INLINE void mark_counted(const RunParticles& some) const
+  {
+    for (Index l = 0; l < kRunBlock; ++l) *displacement(some.at + l, 2 * Dim) = 0.0;
+    for_each_row(some, [&](Index row, Index place) { *displacement(place, 2 * Dim) = row < owned; });
+  }
+
+  template <class Visit> PDX_INLINE void for_each_row(const RunParticles& some, Visit visit) const
+  {
+    for (Index l = 0; l < kRunBlock; ++l) {
+      const Index row = some.row >= 0 ? some.row + l : view.particle_rows[some.rows + l];
+      if (row >= 0) visit(row, some.at + l);
+    }
+  }
+
+  PDX_INLINE double* displacement(Index place, int d) const
+  {
+    return view.scratch + place + static_cast<std::ptrdiff_t>(d) * view.pitch;
+  }
+  PDX_INLINE double* force(Index place, int d) const { return displacement(place, Dim + d); }
 
 private:
   template <int W> PDX_INLINE void load_particles(const RunParticles& some) const
@@ -117,30 +122,6 @@ private:
     });
   }
 
-  template <int W> PDX_INLINE void unload_particles(const RunParticles& some) const
-  {
-    if (Dim == 2 && some.row >= 0)
-      for (int l = 0; l < kRunBlock; l += W) {
-        Lanes<W> x[2];
-        for (int d = 0; d < 2; ++d) x[d] = load<W>(force(some.at + l, d));
-        join_onto<W>(r + static_cast<std::ptrdiff_t>(some.row + l) * 2, x);
-      }
-    else
-      for_each_row(some, [&](Index row, Index place) {
-        if (row < owned)
-          for (int d = 0; d < Dim; ++d) r[static_cast<std::ptrdiff_t>(row) * Dim + d] += *force(place, d);
-      });
-    clear<W>(some.at);
-  }
-
-  template <class Visit> PDX_INLINE void for_each_row(const RunParticles& some, Visit visit) const
-  {
-    for (Index l = 0; l < kRunBlock; ++l) {
-      const Index row = some.row >= 0 ? some.row + l : view.particle_rows[some.rows + l];
-      if (row >= 0) visit(row, some.at + l);
-    }
-  }
-
   template <int W> PDX_INLINE void interpolate(const RunPoints& some, const Index* rows) const
   {
     for (int l = 0; l < kRunBlock; l += W) {
@@ -153,12 +134,54 @@ private:
       for (int d = 0; d < Dim; ++d) store<W>(x[d], displacement(some.at + l, d));
     }
   }
+};
+
+/// e = |xi + eta|^2 / |xi|^2 - 1 as a sum of small terms, so that small stretches keep their digits.
+template <int Dim> struct SweepRuns {
+  const RunView<Dim>& view;
+  RunScratch<Dim> in;
+  bool finite;
+  double* r;
+  bool& passed;
+
+  template <int W> PDX_INLINE void run() const
+  {
+    typename Simd<W>::Mask over{};
+    RunTile from;
+    for (std::size_t t = 0; t < view.tiles.size(); ++t) {
+      const RunTile to = view.tiles[t];
+      in.template fill<W>(from, to);
+      sweep_tile<W>(from, to, view.far[t], over);
+      for (std::size_t k = from.particles; k < to.particles; ++k) unload_particles<W>(view.particles[k]);
+      for (std::size_t k = from.points; k < to.points; ++k) hand_on<W>(view.points[k]);
+      fold<W>(view.rows.data() + from.rows, to.rows - from.rows);
+      from = to;
+    }
+    passed = any_true(over);
+  }
+
+private:
+  template <int W> PDX_INLINE void unload_particles(const RunParticles& some) const
+  {
+    if (Dim == 2 && some.row >= 0)
+      for (int l = 0; l < kRunBlock; l += W) {
+        Lanes<W> x[2];
+        for (int d = 0; d < 2; ++d) x[d] = load<W>(in.force(some.at + l, d));
+        join_onto<W>(r + static_cast<std::ptrdiff_t>(some.row + l) * 2, x);
+      }
+    else
+      in.for_each_row(some, [&](Index row, Index place) {
+        if (row < in.owned)
+          for (int d = 0; d < Dim; ++d) r[static_cast<std::ptrdiff_t>(row) * Dim + d] += *in.force(place, d);
+      });
+    clear<W>(some.at);
+  }
 
   template <int W> PDX_INLINE void hand_on(const RunPoints& some) const
   {
     for (int l = 0; l < kRunBlock; l += W) {
       Lanes<W> x[Dim];
-      for (int d = 0; d < Dim; ++d) x[d] = load<W>(force(some.at + l, d));
+      for (int d = 0; d < Dim; ++d) x[d] = load<W>(in.force(some.at + l, d));
       for (Index h = 0; h < some.hosts; ++h) {
         double* const sum = view.sums + static_cast<std::ptrdiff_t>(view.hosts[some.host + h]) * Dim * kRunBlock;
         const Lanes<W> weight = load<W>(view.weights + some.weights + h * kRunBlock + l);
@@ -173,7 +196,7 @@ private:
     for (std::size_t k = 0; k < count; ++k)
       for (int d = 0; d < Dim; ++d) {
         double* const sum = view.sums + k * Dim * kRunBlock + d * W;
-        if (rows[k] < owned) r[static_cast<std::ptrdiff_t>(rows[k]) * Dim + d] += folded<W>(load<W>(sum));
+        if (rows[k] < in.owned) r[static_cast<std::ptrdiff_t>(rows[k]) * Dim + d] += folded<W>(load<W>(sum));
         store<W>(Lanes<W>{}, sum);
       }
   }
@@ -181,7 +204,7 @@ private:
   template <int W> PDX_INLINE void clear(Index at) const
   {
     for (int l = 0; l < kRunBlock; l += W)
-      for (int d = 0; d < Dim; ++d) store<W>(Lanes<W>{}, force(at + l, d));
+      for (int d = 0; d < Dim; ++d) store<W>(Lanes<W>{}, in.force(at + l, d));
   }
 
   /// Begins with the way of the last time. Where that turns out to be another than the bonds need, the forces are added
@@ -223,8 +246,8 @@ private:
     constexpr bool turned = growth != Growth::linear;
     const Run<Dim> bonds = one; // what is stored could lie anywhere, for all that the compiler knows
     const double* const stiffnesses = view.stiffness + bonds.stiffness;
-    double* const from = displacement(bonds.from, 0);
-    double* const to = displacement(bonds.to, 0);
+    double* const from = in.displacement(bonds.from, 0);
+    double* const to = in.displacement(bonds.to, 0);
     const std::ptrdiff_t pitch = view.pitch;
     Extremes<W> seen;
     for (std::ptrdiff_t k = 0; k < bonds.blocks * kRunBlock; k += W) {
@@ -249,22 +272,65 @@ private:
     }
     return seen;
   }
+};
 
-  PDX_INLINE double* displacement(Index place, int d) const
+/// 1/2 kappa |xi| s^2 of each bond, s = e / (1 + sqrt(1 + e)).
+template <int Dim> struct SumRunEnergy {
+  const RunView<Dim>& view;
+  RunScratch<Dim> in;
+  bool finite;
+  double& energy;
+
+  template <int W> PDX_INLINE void run() const
   {
-    return view.scratch + place + static_cast<std::ptrdiff_t>(d) * view.pitch;
+    Lanes<W> all{};
+    RunTile from;
+    for (const RunTile& to : view.tiles) {
+      in.template fill<W>(from, to);
+      for (std::size_t k = from.particles; k < to.particles; ++k) in.mark_counted(view.particles[k]);
+      for (std::size_t k = from.runs; k < to.runs; ++k) all += of_run<W>(view.runs[k]);
+      from = to;
+    }
+    energy = folded<W>(all);
   }
-  PDX_INLINE double* force(Index place, int d) const { return displacement(place, Dim + d); }
+
+private:
+  template <int W> PDX_INLINE Lanes<W> of_run(const Run<Dim>& bonds) const
+  {
+    Lanes<W> all{};
+    for (int k = 0; k < bonds.blocks * kRunBlock; k += W) {
+      const Lanes<W> stiffness = load<W>(view.stiffness + bonds.stiffness + k);
+      Lanes<W> s{};
+      for (int d = 0; d < Dim; ++d) {
+        const Lanes<W> eta = load<W>(in.displacement(bonds.to + k, d)) - load<W>(in.displacement(bonds.from + k, d));
+        s += (finite ? 2.0 * bonds.xi[d] + eta : Lanes<W>{} + bonds.xi[d]) * eta;
+      }
+      s = stiffness != 0.0 ? s * bonds.per_square : Lanes<W>{};
+      if (finite) s /= 1.0 + square_root<W>(1.0 + s);
+      all += stiffness * s * s * load<W>(in.displacement(bonds.from + k, 2 * Dim));
+    }
+    return 0.5 / bonds.per_square * all;
+  }
 };
 
 template <int Dim>
 bool add_run_forces(Processor processor, const RunView<Dim>& view, bool finite, const double* u, Index owned, double* r)
 {
   bool passed = false;
-  run_on(processor, SweepRuns<Dim>{view, finite, u, owned, r, passed});
+  run_on(processor, SweepRuns<Dim>{view, {view, u, owned}, finite, r, passed});
   return passed;
+}
+
+template <int Dim>
+double run_energy(Processor processor, const RunView<Dim>& view, bool finite, const double* u, Index owned)
+{
+  double energy = 0.0;
+  run_on(processor, SumRunEnergy<Dim>{view, {view, u, owned}, finite, energy});
+  return energy;
 }
 
 template bool add_run_forces<2>(Processor, const RunView<2>&, bool, const double*, Index, double*);
 template bool add_run_forces<3>(Processor, const RunView<3>&, bool, const double*, Index, double*);
+template double run_energy<2>(Processor, const RunView<2>&, bool, const double*, Index);
+template double run_energy<3>(Processor, const RunView<3>&, bool, const double*, Index);
 } // namespace pdx::couple

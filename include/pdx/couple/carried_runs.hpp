@@ -48,11 +48,15 @@ public:
 
   /// r += forces of the bonds on owned rows at displacement u. @return was a limit passed?
   bool add_forces(Processor processor, bool finite, std::span<const double> u, std::span<double> r) const;
+  /// Of the bonds from owned rows at displacement u [J].
+  double energy(Processor processor, bool finite, std::span<const double> u) const;
 
 private:
   struct Line;
   struct Piece;
   class Tile;
+  RunView<Dim> view() const;
+  static void join_sides(std::span<RunBond<Dim>> bonds);
   void add(const Tile& tile, const CarriedPoints<Dim>& points);
   void add_particles(const Line& line, Index scratch);
   void add_points(const Line& line, Index scratch, const CarriedPoints<Dim>& points, std::span<const Index> rows);

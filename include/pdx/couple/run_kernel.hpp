@@ -10,9 +10,11 @@
 namespace pdx::couple {
 /// Places in line are counted in blocks of 8, whatever the lanes of the processor.
 constexpr int kRunBlock = 8;
+/// All that a tile has in line is in its scratch. Of each line it has displacements by direction, forces by direction,
+/// and 1 where a particle's bonds are counted in the energy, else 0.
+template <int Dim> constexpr int kRunParts = 2 * Dim + 1;
 
-/// Bonds that are alike, from places in line to the places of another line, some further. All that a tile has in line
-/// is in its scratch: per line `pitch` displacements for each direction, then `pitch` forces for each.
+/// Bonds that are alike, from places in line to the places of another line, some further.
 template <int Dim> struct Run {
   Index from = 0, to = 0;       ///< first place of either line in the scratch
   Index blocks = 0;             ///< of 8 bonds
@@ -65,4 +67,13 @@ template <int Dim> struct RunView {
 template <int Dim>
 bool add_run_forces(Processor processor, const RunView<Dim>& view, bool finite, const double* u, Index owned,
                     double* r);
+/// r += forces of the bonds on owned rows at displacement u: kappa s n at the particle, its opposite shared among
+/// hosts.
+/// @param finite stretch of the turned bond, else along the reference   @return was a limit passed?
+template <int Dim>
+bool add_run_forces(Processor processor, const RunView<Dim>& view, bool finite, const double* u, Index owned,
+                    double* r);
+/// Strain energy of the bonds from owned rows at displacement u [J].
+template <int Dim>
+double run_energy(Processor processor, const RunView<Dim>& view, bool finite, const double* u, Index owned);
 } // namespace pdx::couple

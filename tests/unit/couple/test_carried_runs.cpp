@@ -52,11 +52,7 @@ struct Edge {
     for (const Bond& bond : bonds) {
       const auto rows = points.rows(bond.run.point);
       const auto weights = points.weights(bond.run.point);
-      const auto at = [&](Index row) {
-        return Vector<2>(u[static_cast<std::size_t>(2 * row)], u[static_cast<std::size_t>(2 * row + 1)]);
-      };
-      Vector<2> eta = -at(bond.run.row);
-      for (std::size_t k = 0; k < rows.size(); ++k) eta += weights[k] * at(rows[k]);
+      const Vector<2> eta = stretched(u, bond);
       const double rest = bond.run.xi.norm();
       const Vector<2> now = bond.run.xi + eta, along = bond.run.xi / rest;
       const Vector<2> force = bond.stiffness * (finite ? Vector<2>((now.norm() - rest) * now.normalized())
@@ -72,7 +68,29 @@ struct Edge {
     return r;
   }
 
+  /// Sum of 1/2 kappa |xi| s^2 over the bonds of owned particles.
+  double energy(const std::vector<double>& u, bool finite, Index owned) const
+  {
+    double total = 0.0;
+    for (const Bond& bond : bonds) {
+      const double rest = bond.run.xi.norm();
+      const Vector<2> eta = stretched(u, bond);
+      const double s = (finite ? (bond.run.xi + eta).norm() - rest : bond.run.xi.dot(eta) / rest) / rest;
+      if (bond.run.row < owned) total += 0.5 * bond.stiffness * rest * rest * s * s;
+    }
+    return total;
+  }
+
 private:
+  Vector<2> stretched(const std::vector<double>& u, const Bond& bond) const
+  {
+    const auto at = [&](Index row) { return Eigen::Map<const Vector<2>>(&u[static_cast<std::size_t>(2 * row)]); };
+    Vector<2> eta = -at(bond.run.row);
+    for (std::size_t k = 0; k < points.rows(bond.run.point).size(); ++k)
+      eta += points.weights(bond.run.point)[k] * at(points.rows(bond.run.point)[k]);
+    return eta;
+  }
+
   void leave(Index row, Index place, Index depth, Index across, Index down)
   {
     const double share = (depth + 0.5) / down, along = share * across, s = place + 0.5 + along;
@@ -123,6 +141,8 @@ double difference(const Edge& edge, Index owned)
       for (const std::size_t number : runs.numbers()) rest.bonds[number].stiffness = 0.0;
       std::vector<double> found = rest.forces(u, finite, owned);
       EXPECT_FALSE(runs.add_forces(processor, finite, u, found));
+      EXPECT_NEAR(runs.energy(processor, finite, u) + rest.energy(u, finite, owned), edge.energy(u, finite, owned),
+                  1e-13 * edge.energy(u, finite, owned));
       const std::vector<double> law = edge.forces(u, finite, owned);
       double largest = 0.0;
       for (const double f : law) largest = std::max(largest, std::abs(f));
@@ -147,6 +167,20 @@ TEST(CarriedRuns, OfAnyLengthHaveTheForcesOfTheLaw)
   for (const Index length : {1, 3, 5, 8, 9, 17, 63, 64, 65}) {
     const Edge edge(length, 4.0, false);
     EXPECT_LT(difference(edge, edge.rows()), 1e-13) << length;
+  }
+}
+
+TEST(CarriedRuns, OfManyShortSidesHaveTheForcesOfTheLaw)
+{
+  for (const Index side : {1, 3, 4, 40}) {
+    Edge edge(90, 4.0, false);
+    for (auto& bond : edge.bonds) {
+      bond.run.leaves.side = bond.run.leaves.place / side;
+      bond.run.leaves.place %= side;
+    }
+    EXPECT_LT(difference(edge, edge.rows()), 1e-13) << side;
+    const CarriedRuns<2> runs(edge.points, edge.run_bonds(), edge.rows());
+    EXPECT_GT(runs.numbers().size(), edge.bonds.size() * 9 / 10) << side;
   }
 }
 
