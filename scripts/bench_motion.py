@@ -26,6 +26,14 @@ SCALING = {
         ["-options_file", "cases/pulse/case.opts", *ROLLERS, "-ts_max_steps", "400", "-output_fields", "false"],
 }
 
+# Patches among elements: a box, and what grows by conversion.
+CARRIED = {
+    "central_crack, patch of 430 x 110":
+        ["-options_file", "cases/central_crack/coupled.opts", "-options_file", "cases/central_crack/pulled.opts",
+         "-ts_max_steps", "300"],
+    "kalthoff_winkler, points": ["-options_file", "cases/kalthoff_winkler/points.opts", "-output_fields", "false"],
+}
+
 
 def pulse(variant, mesh):
     """The plate with rollers in elements of 10 mm / mesh, to the time at which the error is read."""
@@ -115,6 +123,25 @@ class MotionBench(Bench):
                    ["1 rank [s]", "1e9 bonds/s", "of the kernel's rate (goal 0.6)", "2 ranks [s]", "2 ranks over 1 (goal 1.8)"],
                    [[f"{seconds[1]:.2f}", f"{bonds / 1e9:.2f}", f"**{share:.2f}**", f"{seconds[2]:.2f}",
                      f"**{seconds[1] / seconds[2]:.2f}**"]])
+
+    def carried(self):
+        """Forces of bonds from particles to elements or grids over those between particles, as the program's log has them."""
+        rows = []
+        for name, scene in CARRIED.items():
+            shares, spent = [], []
+            for _ in range(self.rounds):
+                with tempfile.TemporaryDirectory() as directory:
+                    log = os.path.join(directory, "log.txt")
+                    self.run([*scene, "-log_view", f":{log}"])
+                    with open(log, encoding="utf-8") as lines:
+                        seconds = {line.split()[0]: float(line.split()[3]) for line in lines
+                                   if line.startswith(("couple_force ", "pd_force "))}
+                shares.append(seconds["couple_force"] / seconds["pd_force"])
+                spent.append(seconds["couple_force"])
+            share = statistics.median(shares)
+            self.results[f"carried {name}"] = {"share": share, "seconds": statistics.median(spent)}
+            rows.append([name, f"{statistics.median(spent):.3f}", f"**{share:.3f}** (goal 0.1)"])
+        self.table("Carried bonds, forces of explicit steps", ["scene", "carried bonds [s]", "over the lattice's"], rows)
 
     def stable_step(self, scene):
         """The program's own choice without -ts_dt: 0.9 of the limit [s]."""

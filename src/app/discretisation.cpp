@@ -244,7 +244,10 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const SceneOptions&
   }
   if (d.bonds) {
     add_fracture(options, plan, d);
-    if (options.time.analysis == Analysis::explicit_dynamics && !d.breaker) d.bonds->step_explicitly({});
+    if (options.time.analysis == Analysis::explicit_dynamics && !d.breaker) {
+      d.bonds->step_explicitly({});
+      if (d.carried) d.carried->step_explicitly();
+    }
     d.bonds->skip_below(options.pd.skip_tolerance);
   }
   if (assembled || !d.bonds || options.time.dynamic()) return result;

@@ -1,6 +1,7 @@
 #include "pdx/couple/carried_bonds.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/couple/carried_runs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -43,55 +44,11 @@ CarriedBonds<Dim>::CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> poin
   saved_ = gone_;
 }
 
+template <int Dim> CarriedBonds<Dim>::~CarriedBonds() = default;
+
 template <int Dim> void CarriedBonds<Dim>::needed_rows(std::vector<PetscInt>& rows) const
 {
   rows.insert(rows.end(), points_.all_rows().begin(), points_.all_rows().end());
-}
-
-template <int Dim> void CarriedBonds<Dim>::bind(const field::RowHalo& halo)
-{
-  points_.bind(halo);
-  fill_lanes();
-}
-
-/// Most bonds go from a particle to a point of an edge or an element, and act where they stretch.
-template <int Dim> void CarriedBonds<Dim>::fill_lanes()
-{
-  lanes_ = {CarriedLanes<Dim>(1), CarriedLanes<Dim>(2), CarriedLanes<Dim>(4)};
-  others_.clear();
-  lanes_revision_ = -1;
-  for (std::size_t number = 0; number < bonds_.size(); ++number) {
-    const CarriedBond<Dim>& bond = bonds_[number];
-    const std::span<const Index> row = points_.rows(bond.a), hosts = points_.rows(bond.b);
-    const bool plain =
-        bond.force_a == bond.a && bond.force_b == bond.b && row.size() == 1 && points_.weights(bond.a)[0] == 1.0;
-    const auto fits = [&](const CarriedLanes<Dim>& lanes) {
-      return hosts.size() <= static_cast<std::size_t>(lanes.width());
-    };
-    const auto of = plain ? std::ranges::find_if(lanes_, fits) : lanes_.end();
-    if (of == lanes_.end())
-      others_.push_back(number);
-    else
-      of->add(number, {row[0], hosts, points_.weights(bond.b), bond.xi});
-  }
-}
-
-/// Stiffness of what is intact, and the limits of those who watch, a little early: whether bonds break is judged one by
-/// one.
-template <int Dim> void CarriedBonds<Dim>::refresh_lanes() const
-{
-  if (lanes_revision_ == revision_) return;
-  lanes_revision_ = revision_;
-  constexpr double kEarly = 1.0 - 1e-12;
-  for (CarriedLanes<Dim>& lanes : lanes_)
-    for (std::size_t k = 0; k < lanes.numbers().size(); ++k) {
-      const std::size_t number = lanes.numbers()[k];
-      const CarriedBond<Dim>& bond = bonds_[number];
-      const bool watched = !limits_.empty() && !bond.no_fail && !gone_[number];
-      lanes.set(k, gone_[number] ? 0.0 : bond.kappa,
-                watched ? kEarly * limits_[static_cast<std::size_t>(bond.patch)]
-                        : std::numeric_limits<double>::infinity());
-    }
 }
 
 template <int Dim>
@@ -121,39 +78,27 @@ law::BondState<Dim> CarriedBonds<Dim>::state_of(std::size_t number, const Vector
   return {rest.along.dot(eta) / rest.length, rest.along, 0.0};
 }
 
-template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> u, std::span<double> r) const
-{
-  static Event event("couple_force");
-  Timed timed(event);
-  refresh_lanes();
-  overstretched_seen_ = false;
-  for (const CarriedLanes<Dim>& lanes : lanes_)
-    if (lanes.add_forces(processor_, kinematics_ == pd::Kinematics::finite, u, rows_.owned(), r))
-      overstretched_seen_ = true;
-  for (const std::size_t number : others_) {
-    if (gone_[number]) continue;
-    const CarriedBond<Dim>& bond = bonds_[number];
-    const Vector<Dim> eta = points_.displacement(bond.b, u) - points_.displacement(bond.a, u);
-    const law::BondState<Dim> state = state_of(number, eta, kinematics_);
-    if (!limits_.empty() && !bond.no_fail && state.stretch > limits_[static_cast<std::size_t>(bond.patch)])
-      overstretched_seen_ = true;
-    const Vector<Dim> force = bond.kappa * state.stretch * state.direction;
-    points_.add_force(bond.force_a, -force, rows_.owned(), r);
-    points_.add_force(bond.force_b, force, rows_.owned(), r);
-  }
-}
-
 /// A bond that several ranks evaluate is counted by the owner of the first row at its first end.
 template <int Dim> double CarriedBonds<Dim>::energy(std::span<const double> u) const
 {
   double total = 0.0;
-  points_.spread(u, spread_);
-  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+  const auto add = [&](std::size_t number, const Vector<Dim>& eta) {
     const CarriedBond<Dim>& bond = bonds_[number];
-    if (gone_[number] || !counted(bond)) continue;
-    total += law::bond_energy(bond.kappa, rest_[number].length, state_of(number, spread_, kinematics_).stretch);
+    if (gone_[number] || !counted(bond)) return;
+    total += law::bond_energy(bond.kappa, rest_[number].length, state_of(number, eta, kinematics_).stretch);
+  };
+  if (!runs_) {
+    points_.spread(u, spread_);
+    for (std::size_t number = 0; number < bonds_.size(); ++number) add(number, stretch_vector(bonds_[number], spread_));
+    return total;
   }
-  return total;
+  const auto add_one = [&](std::size_t number) {
+    add(number, points_.displacement(bonds_[number].b, u) - points_.displacement(bonds_[number].a, u));
+  };
+  refresh_lanes();
+  for (const CarriedLanes<Dim>& lanes : lanes_) std::ranges::for_each(lanes.numbers(), add_one);
+  std::ranges::for_each(others_, add_one);
+  return total + runs_->energy(processor_, kinematics_ == pd::Kinematics::finite, u);
 }
 
 template <int Dim>

@@ -27,6 +27,7 @@ struct Draft {
   double kappa = 0.0, energy_share = 0.0, volume = 0.0;
   bool cut = false, no_fail = false;
   std::uint64_t key = 0;
+  Leaving leaves;
 };
 
 /// What carries the ends of a bond, and what the points where its force acts; null where a particle is.
@@ -161,6 +162,8 @@ private:
         Ends ends;
         if (!place_far_end(draft, x, leave, other, edge, ends)) continue;
         if (row < 0 && !mine(ends.b) && !mine(ends.force_b)) continue;
+        if (edge && edge->side >= 0)
+          draft.leaves = around_.leaving(edge->side, site, {sign * leave * arm.step[0], sign * leave * arm.step[1]});
         judge(draft, ends, x, draft.xi, {x, lattice.point(other)});
         keep(draft, ends);
       }
@@ -312,6 +315,7 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
       bond.no_fail = draft.no_fail;
       bond.patch = static_cast<int>(p);
       bond.key = draft.key;
+      bond.leaves = draft.leaves;
       bond.a = draft.a;
       bond.force_a = draft.force_a;
       bond.b = draft.b;

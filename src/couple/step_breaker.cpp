@@ -12,6 +12,7 @@ StepBreaker<Dim>::StepBreaker(pd::BondTerm<Dim>& bonds, CarriedBonds<Dim>* carri
   bonds_.protect(options.no_fail);
   if (steps_ == Steps::in_strips) bonds_.step_explicitly(rules_);
   if (carried_) carried_->watch(rules_);
+  if (carried_ && steps_ == Steps::in_strips) carried_->step_explicitly();
   StepBreaker<Dim>::save();
 }
 

@@ -216,7 +216,10 @@ std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>&
     const double line = std::round((x[axis] - shape_.lattice.origin[axis]) / shape_.lattice.dx);
     if (line < 0.0 || line > shape_.lattice.count[d]) continue;
     for (const std::size_t k : sides_on_[d][static_cast<std::size_t>(line)])
-      if (auto host = host_on(sides_[k], x, inward, zone)) return host;
+      if (auto host = host_on(sides_[k], x, inward, zone)) {
+        host->side = static_cast<int>(k);
+        return host;
+      }
   }
   return std::nullopt;
 }
@@ -252,6 +255,13 @@ std::optional<Host> Surroundings::host_on(const Side& side, const Vector<2>& x, 
   }
   const auto host = over({cell, cell + 1.0});
   return host ? host : trace.at(s);
+}
+
+Leaving Surroundings::leaving(int side, const Site<2>& site, const std::array<double, 2>& along) const
+{
+  const geom::StraightSide& line = sides_[static_cast<std::size_t>(side)].line;
+  const Index depth = line.upper ? line.at - 1 - site[line.axis] : site[line.axis] - line.at;
+  return {side, depth, site[1 - line.axis] - line.from, along[1 - line.axis]};
 }
 
 double Surroundings::distance(const Vector<2>& x) const

@@ -1,13 +1,18 @@
 #pragma once
 #include "pdx/couple/carried_kernel.hpp"
 #include "pdx/couple/carried_points.hpp"
+#include "pdx/couple/leaving.hpp"
 #include "pdx/field/force_loss.hpp"
 #include "pdx/field/term.hpp"
 #include "pdx/law/bond_force.hpp"
 #include "pdx/pd/breaker.hpp"
 #include "pdx/pd/damage.hpp"
 
+#include <memory>
+
 namespace pdx::couple {
+template <int Dim> class CarriedRuns;
+
 /// A bond between two carried points. Its force may act at other points than those that stretch it (the `interface`
 /// scheme); then the tangent is not symmetric.
 template <int Dim> struct CarriedBond {
@@ -21,6 +26,7 @@ template <int Dim> struct CarriedBond {
   bool no_fail = false;           ///< it never breaks
   Index patch = 0;                ///< the patch of its particle, whose critical stretch it has
   std::uint64_t key = 0;          ///< the bond's own number, the same on any rank and any number of ranks
+  Leaving leaves = {};            ///< through which straight side of the patch, where that is known
 };
 
 /// The bonds that do not join two particles of a patch: springs of the coupling schemes, all with the bond force law.
@@ -29,9 +35,14 @@ template <int Dim> class CarriedBonds final : public field::Term {
 public:
   CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> points, std::vector<CarriedBond<Dim>> bonds,
                pd::Kinematics kinematics, bool symmetric);
+  ~CarriedBonds() override;
+  CarriedBonds(const CarriedBonds&) = delete;
+  CarriedBonds& operator=(const CarriedBonds&) = delete;
 
   void needed_rows(std::vector<PetscInt>& rows) const override;
   void bind(const field::RowHalo& halo) override;
+  /// From now on `add_residual` is for explicit steps: bonds along straight sides in runs. After `bind`.
+  void step_explicitly();
   void add_residual(std::span<const double> u, std::span<double> r) const override;
   double energy(std::span<const double> u) const override;
   void linearise(std::span<const double> u) override;
@@ -91,9 +102,11 @@ private:
     Vector<Dim> along; ///< unit vector
     double length;     ///< [m]
   };
+  bool starts_at_row(const CarriedBond<Dim>& bond) const;
   void fill_lanes();
   law::BondState<Dim> state_of(std::size_t number, const Vector<Dim>& eta, pd::Kinematics kinematics) const;
   void refresh_lanes() const;
+  void refresh_runs() const;
   law::BondState<Dim> state_of(std::size_t number, std::span<const double> d, pd::Kinematics kinematics) const;
   bool counted(const CarriedBond<Dim>& bond) const { return points_.rows(bond.a).front() < rows_.owned(); }
   /// Calls visit(number, stretch) for the intact bonds that a rule breaks at u.
@@ -115,8 +128,9 @@ private:
   std::vector<double> limits_; // per patch, of the stretch; empty: nobody watches [-]
   mutable bool overstretched_seen_ = false;
   mutable std::vector<double> spread_;
-  mutable std::vector<CarriedLanes<Dim>> lanes_; // of bonds from a row to few rows
-  std::vector<std::size_t> others_;              // numbers of those in no lanes
+  std::unique_ptr<CarriedRuns<Dim>> runs_;       // of bonds along straight sides; null but in explicit steps
+  mutable std::vector<CarriedLanes<Dim>> lanes_; // of other bonds from a row to few rows
+  std::vector<std::size_t> others_;              // numbers of those in neither
   mutable std::int64_t lanes_revision_ = -1;     // that lanes know
   Processor processor_ = chosen_processor();
 };

@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/couple/leaving.hpp"
 #include "pdx/couple/patch_shape.hpp"
 #include "pdx/mesh/mesh.hpp"
 #include "pdx/xfem/enriched_sets.hpp"
@@ -15,6 +16,7 @@ struct Host {
   int count = 0;
   bool sided = false;  ///< a crack or seam enters there: moves with the side from which it is seen
   bool across = false; ///< moves, snapped, with the other side of a crack than it is on: bonds to it are cut
+  int side = -1;       ///< of a patch's border: number of the straight side that it lies on
 
   /// Weights of the same rows where those of enriched sets hold the far half's w instead (`field::Tie`); sum to 1.
   std::array<double, kRows> tied{};
@@ -65,6 +67,9 @@ public:
   /// @param zone  lattice cells beside the body's free sides whose trace is averaged as that of one: bonds with surface
   /// factors share the tension out unevenly, but all in all as a uniform traction there
   std::optional<Host> edge_host(const Vector<2>& x, const Vector<2>& inward, Index zone = 0) const;
+  /// Where a bond from a particle leaves through a straight side (`Host::side`).
+  /// @param along direction of the bond [spacings], which meets the side there
+  Leaving leaving(int side, const Site<2>& site, const std::array<double, 2>& along) const;
   /// From x to the nearest interface edge, infinite if there is none [m].
   double distance(const Vector<2>& x) const;
   /// Length of the shortest interface edge, infinite if there is none [m].
