@@ -197,6 +197,7 @@ private:
     const geom::SiteSet<2>& active = part_.active();
     if ((active.is_box() && active.has(site)) || !bonded(site)) return;
     for (std::size_t h = 0; h < part_.stencil().half.size(); ++h) {
+      if (!geom::comes_in<2>(active, site, lines_[h][1])) continue; // that begins in the patch leaves it above
       const Site<2> other = stepped(site, part_.stencil().half[h].step, 1);
       if ((active.is_box() && active.has(other)) || !bonded(other)) continue;
       for (const geom::PartInside& part : geom::parts_inside<2>(active, site, lines_[h][1]))

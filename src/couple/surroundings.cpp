@@ -91,27 +91,29 @@ struct Surroundings::Trace {
     Host host;
     double filled = 0.0;
     bool parted = false;
-    std::vector<std::pair<const Edge*, double>> parts; // with their middles
+    std::array<std::pair<const Edge*, double>, Host::kRows> parts; // with their middles; each brings a row
+    std::size_t count = 0;
     const Edge* const last = edges.data() + edges.size();
     for (const Edge* edge = edge_at(cell.begin + tiny); edge != last && edge->begin < cell.end - tiny; ++edge) {
       const double begin = std::max(edge->begin, cell.begin), end = std::min(edge->end, cell.end);
       if (end - begin < tiny) continue;
-      if (!parts.empty() && !joined(*parts.back().first, *edge)) return std::nullopt;
+      if (count == parts.size() || (count && !joined(*parts[count - 1].first, *edge))) return std::nullopt;
       const auto t = [&](double place) { return (place - edge->begin) / (edge->end - edge->begin); };
       // Mean over the part in this edge, and rise over it; the rises of all parts add up to the slope times dx.
       const double share = (end - begin) / dx, middle = t(0.5 * (begin + end)), rise = t(end) - t(begin);
       if (!add(host, *edge, 0, share * (1.0 - middle) - offset * rise)) return std::nullopt;
       if (!add(host, *edge, 1, share * middle + offset * rise)) return std::nullopt;
-      parts.emplace_back(edge, 0.5 * (begin + end));
+      parts[count++] = {edge, 0.5 * (begin + end)};
       filled += share;
     }
     if (host.across || std::abs(filled - 1.0) > 1e-6) return std::nullopt;
     const Edge* beside = edge_beside(s, parted);
-    if (parted && std::ranges::find(parts, beside, [](const auto& part) { return part.first; }) == parts.end())
+    const auto taken = std::span(parts).first(count);
+    if (parted && std::ranges::find(taken, beside, [](const auto& part) { return part.first; }) == taken.end())
       return std::nullopt;
     host.sided = host.sided || parted;
-    for (const auto& [cut, ignored] : parts)
-      for (const auto& [whole, place] : parts) {
+    for (const auto& [cut, ignored] : taken)
+      for (const auto& [whole, place] : taken) {
         if (cut->crack < 0 || whole->crack == cut->crack) continue;
         if (cracks->side(cut->crack, point(place)) != cracks->side(cut->crack, from)) return std::nullopt;
       }

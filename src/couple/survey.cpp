@@ -24,7 +24,7 @@ Host host_in_cell(const ElementView& scene, Index cell, const Vector<2>& x)
   return host;
 }
 
-void Surroundings::find_outside(const ElementView& scene, std::span<const Surroundings> patches,
+void Surroundings::find_outside(const ElementView& scene, std::span<const Surroundings> patches, bool hosts,
                                 std::vector<OutsideRecord>& found)
 {
   const mesh::Mesh& mesh = scene.mesh;
@@ -36,8 +36,8 @@ void Surroundings::find_outside(const ElementView& scene, std::span<const Surrou
       if (mesh.patch(c) == static_cast<int>(p) || mesh.body(c) != shape.body) continue;
       mesh::for_each_site(mesh, c, shape.lattice, patches[p].band_, [&](const Site<2>& site, const Vector<2>& x) {
         if (shape.active.has(site) || !near[p].has(site)) return;
-        const bool element = mesh.use(c) != mesh::Use::covered;
-        found.push_back({static_cast<int>(p), site, element ? host_in_cell(scene, c, x) : Host{}});
+        const bool element = hosts && mesh.use(c) != mesh::Use::covered;
+        found.push_back({{static_cast<int>(p), site}, element ? host_in_cell(scene, c, x) : Host{}});
       });
     }
 }
@@ -99,7 +99,7 @@ void Surroundings::find_edges(const ElementView& scene, std::span<const Surround
 
 std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span<const PatchShape> patches, Index band,
                                                std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets,
-                                               const crack::CrackSet* seams)
+                                               const crack::CrackSet* seams, bool hosts)
 {
   std::vector<Surroundings> all;
   for (const PatchShape& shape : patches) all.push_back(Surroundings(shape, band));
@@ -110,12 +110,21 @@ std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span
   std::vector<OutsideRecord> outside;
   std::vector<EdgeRecord> edges;
   const ElementView scene{mesh, node_rows, sets};
-  find_outside(scene, all, outside);
+  find_outside(scene, all, hosts, outside);
   find_edges(scene, all, edges);
-  for (const OutsideRecord& record : gather_all(mesh.comm(), outside)) {
-    Surroundings& around = all[static_cast<std::size_t>(record.patch)];
-    around.hosts_.push_back(record.host);
-    around.where_[around.position(record.site)] = static_cast<Index>(around.hosts_.size());
+  const auto place = [&all](const OutsideSite& outside_site) {
+    Surroundings& around = all[static_cast<std::size_t>(outside_site.patch)];
+    around.where_[around.position(outside_site.site)] = static_cast<Index>(around.hosts_.size());
+  };
+  if (hosts)
+    for (const OutsideRecord& record : gather_all(mesh.comm(), outside)) {
+      all[static_cast<std::size_t>(record.patch)].hosts_.push_back(record.host);
+      place(record);
+    }
+  else {
+    for (Surroundings& around : all) around.hosts_.resize(1);
+    for (const OutsideSite& site : gather_all(mesh.comm(), std::vector<OutsideSite>(outside.begin(), outside.end())))
+      place(site);
   }
   for (const EdgeRecord& record : gather_all(mesh.comm(), edges))
     all[static_cast<std::size_t>(record.patch)].sides_[static_cast<std::size_t>(record.side)].edges.push_back(
