@@ -175,8 +175,9 @@ void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const
   Index band = 0;
   for (const auto& stencil : plan.stencils) band = std::max(band, stencil.reach + pd::family_reach<2>(stencil));
   d.seams = seams_of(mesh, options, plan);
-  d.around = couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows, d.sets.get(),
-                                          d.seams.empty() ? nullptr : &d.seams, options.scheme != couple::Scheme::energy);
+  d.around =
+      couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows, d.sets.get(),
+                                   d.seams.empty() ? nullptr : &d.seams, options.scheme != couple::Scheme::energy);
   refuse_coarse_patches(options, plan, d);
   auto parts = make_parts(options, plan, d);
   if (d.elements || d.cut_elements || d.points) {

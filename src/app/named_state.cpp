@@ -29,9 +29,10 @@ std::vector<std::uint64_t> gone_in(const Standing& scene)
   if (scene.cloud) return scene.cloud->gone();
   std::vector<std::uint64_t> words;
   with_bonds(scene, [&](const auto& bonds) {
-    for (const auto& part : bonds.parts())
-      for (Index k = 0; k < static_cast<Index>(part->sites().size()); ++k)
-        for (const std::uint64_t word : part->gone_of(k)) words.push_back(word);
+    for (const auto& part : bonds.parts()) {
+      const std::vector<std::uint64_t> more = part->gone();
+      words.insert(words.end(), more.begin(), more.end());
+    }
   });
   return words;
 }
@@ -263,12 +264,11 @@ std::vector<std::uint64_t> StateMove::broken_carried() const
   scene_.d->carried->for_each_key([&](std::uint64_t key, Index patch) {
     const auto p = static_cast<std::size_t>(patch);
     const geom::SiteNames& names = scene_.plan->shapes[p].names;
-    const auto bond = couple::lattice_bond(key, names, scene_.plan->stencils[p]);
-    if (!bond) throw std::logic_error("a carried bond is of no lattice");
-    if (parted.contains(name_of(*bond, names))) broken.push_back(key);
+    const auto [site, arm] = couple::bond_name(key, names, scene_.plan->stencils[p]);
+    if (parted.contains(site * pd::kMaxHalfArms + arm)) broken.push_back(key);
     keys.push_back(key);
-    arms.push_back(bond->arm);
-    lower.push_back(field::RowName::particle(names.of(bond->lower)));
+    arms.push_back(arm);
+    lower.push_back(field::RowName::particle(site));
   });
   const std::vector<std::uint64_t> gone =
       torn_particles().words_of(scene_.model->system.rows.comm, lower, state_.words_per_particle);

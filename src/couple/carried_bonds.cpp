@@ -35,6 +35,8 @@ CarriedBonds<Dim>::CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> poin
                                 pd::Kinematics kinematics, bool symmetric)
     : rows_(rows), points_(std::move(points)), bonds_(std::move(bonds)), kinematics_(kinematics), symmetric_(symmetric)
 {
+  rest_.reserve(bonds_.size());
+  gone_.reserve(bonds_.size());
   for (const CarriedBond<Dim>& bond : bonds_) {
     const double length = bond.xi.norm();
     rest_.push_back({bond.xi / length, length});

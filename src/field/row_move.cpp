@@ -17,18 +17,16 @@ std::vector<std::uint64_t> values_of(std::span<const RowName> names)
   return values;
 }
 
-/// Finds names among those given; most follow the one found before.
+/// Finds names among those given.
 class PlaceFinder {
 public:
   explicit PlaceFinder(std::span<const RowName> names) : names_(names) {}
   /// The place of a name, -1 if it is not there.
-  Index find(RowName name)
+  Index find(RowName name, std::size_t likely)
   {
-    const auto next = static_cast<std::size_t>(last_ + 1);
-    if (next < names_.size() && names_[next] == name) return ++last_;
+    if (likely < names_.size() && names_[likely] == name) return static_cast<Index>(likely);
     if (slots_.empty()) fill();
-    const Index place = slots_[slot(name)];
-    return place < 0 ? place : last_ = place;
+    return slots_[slot(name)];
   }
 
 private:
@@ -49,7 +47,6 @@ private:
   }
 
   std::span<const RowName> names_;
-  Index last_ = -1;
   std::vector<Index> slots_;
 };
 } // namespace
@@ -71,24 +68,26 @@ RowMove::RowMove(MPI_Comm comm, std::span<const RowName> from, std::span<const R
   find_anywhere(comm, std::move(others), to, places);
 }
 
-/// @return places in `to` of what is not on this rank
+/// @return places in `to` of what is not on this rank; most names follow the one before on either side
 std::vector<Index> RowMove::find_here(std::span<const RowName> from, std::span<const RowName> to)
 {
   PlaceFinder finder(from);
   std::vector<Index> missing;
-  for (std::size_t k = 0; k < to.size(); ++k) {
-    const auto here = static_cast<Index>(k);
-    const Index place = finder.find(to[k]);
+  std::size_t next = 0; // place in `from` that is likely
+  for (std::size_t k = 0; k < to.size();) {
+    const Index place = finder.find(to[k], next);
     if (place < 0) {
-      missing.push_back(here);
+      missing.push_back(static_cast<Index>(k++));
       continue;
     }
-    stays_[static_cast<std::size_t>(place)] = 1;
-    if (!runs_.empty() && runs_.back().from + runs_.back().length == place &&
-        runs_.back().to + runs_.back().length == here)
-      ++runs_.back().length;
-    else
-      runs_.push_back({place, here, 1});
+    const auto begin = static_cast<std::size_t>(place);
+    const std::size_t most = std::min(from.size() - begin, to.size() - k);
+    std::size_t length = 1;
+    while (length < most && from[begin + length] == to[k + length]) ++length;
+    std::fill_n(stays_.begin() + place, length, std::uint8_t{1});
+    runs_.push_back({place, static_cast<Index>(k), static_cast<Index>(length)});
+    k += length;
+    next = begin + length;
   }
   return missing;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <utility>
 
 namespace pdx::pd {
 namespace {
@@ -132,7 +133,8 @@ template <int Dim> std::vector<std::uint8_t> LatticePart<Dim>::surrounded(std::v
 /// Sites whose bonds have the same factors are of one class; class 0 has the factor 1 throughout.
 template <int Dim> void LatticePart<Dim>::write_classes()
 {
-  const BondFactors<Dim> factors = correction_({where_.lattice, lower_, extent_, &where_.active});
+  factors_known_ = correction_({where_.lattice, lower_, extent_, &where_.active});
+  const BondFactors<Dim>& factors = factors_known_;
   std::map<std::vector<double>, std::uint16_t> known{{std::vector<double>(arms_.size(), 1.0), 0}};
   classes_.assign(static_cast<std::size_t>(window_size_), 0);
   std::vector<double> here(arms_.size());
@@ -152,6 +154,27 @@ template <int Dim> void LatticePart<Dim>::write_classes()
   if (known.size() == 1) return classes_.clear();
   factors_.resize(known.size() * arms_.size());
   for (const auto& [values, number] : known) std::ranges::copy(values, factors_.begin() + number * arms_.size());
+}
+
+template <int Dim> BondFactors<Dim> LatticePart<Dim>::take_factors(const Site<Dim>& lower, const Site<Dim>& extent)
+{
+  if (!correction_) return {};
+  bool known = static_cast<bool>(factors_known_.of);
+  for (std::size_t d = 0; d < Dim; ++d)
+    known = known && lower[d] >= lower_[d] && lower[d] + extent[d] <= lower_[d] + extent_[d];
+  if (known) return std::exchange(factors_known_, {});
+  return correction_({where_.lattice, lower, extent, &where_.active});
+}
+
+template <int Dim> std::vector<std::uint64_t> LatticePart<Dim>::gone() const
+{
+  std::vector<std::uint64_t> words(2 * sites_.size(), 0);
+  for (const Run& run : segments_)
+    for (Index k = 0; k < run.length; ++k)
+      if (traits_[static_cast<std::size_t>(run.at + k)] & kLost)
+        std::ranges::copy(gone_of(run.row - first_row_ + k),
+                          words.begin() + 2 * (std::ptrdiff_t{run.row} - first_row_ + k));
+  return words;
 }
 
 template <int Dim> void LatticePart<Dim>::collect_halo()

@@ -27,8 +27,7 @@ int rank_of(MPI_Comm comm)
 std::vector<int> keepers_of(std::span<const Index> sites, Index total, int ranks)
 {
   std::vector<int> keepers(sites.size());
-  for (std::size_t k = 0; k < sites.size(); ++k)
-    keepers[k] = static_cast<int>(std::int64_t{sites[k]} * ranks / total);
+  for (std::size_t k = 0; k < sites.size(); ++k) keepers[k] = static_cast<int>(std::int64_t{sites[k]} * ranks / total);
   return keepers;
 }
 
@@ -57,8 +56,7 @@ std::vector<PetscInt> SiteDirectory::rows(std::span<const Index> sites) const
   const int ranks = ranks_of(comm_);
   const Index first = first_kept(rank_of(comm_), total_, ranks);
   std::vector<std::size_t> order;
-  const auto asked =
-      exchange(comm_, sort_by_rank<Index>(sites, keepers_of(sites, total_, ranks), ranks, &order));
+  const auto asked = exchange(comm_, sort_by_rank<Index>(sites, keepers_of(sites, total_, ranks), ranks, &order));
   Parcels<PetscInt> answers{{}, asked.counts};
   for (const Index site : asked.records) answers.records.push_back(table_[static_cast<std::size_t>(site - first)]);
   const std::vector<PetscInt> sorted = exchange(comm_, answers).records;

@@ -38,6 +38,27 @@ public:
   const Site<Dim>& extent() const { return extent_; }
   /// Within the box.
   void fill(T value) { std::ranges::fill(values_, value); }
+  /// Of each site and those up to `width` away in every direction, what all have, bit by bit; outside the box all is
+  /// set.
+  SiteMap common(Index width) const
+  {
+    SiteMap result = *this;
+    std::size_t stride = 1;
+    for (std::size_t d = 0; d < Dim; ++d) {
+      const std::vector<T> before = result.values_;
+      const std::size_t line = stride * static_cast<std::size_t>(extent_[d]);
+      for (Index k = 1; k <= std::min(width, extent_[d] - 1); ++k) {
+        const std::size_t shift = static_cast<std::size_t>(k) * stride;
+        for (std::size_t first = 0; first < before.size(); first += line)
+          for (std::size_t i = first; i + shift < first + line; ++i) {
+            result.values_[i] &= before[i + shift];
+            result.values_[i + shift] &= before[i];
+          }
+      }
+      stride = line;
+    }
+    return result;
+  }
   T at(const Site<Dim>& site) const { return holds(site) ? values_[place(site)] : initial_; }
 
 private:
@@ -60,9 +81,10 @@ public:
   FarRuns(geom::SiteSet<2> far, const geom::Lattice<2>& lattice, const crack::CrackSet* cracks, Index reach)
       : far_(std::move(far)), lattice_(lattice), cracks_(cracks && !cracks->empty() ? cracks : nullptr), reach_(reach)
   {}
-  bool has(const Site<2>& site) const
+  bool has(const Site<2>& site) const { return far_.has(site) && !beside_crack(site); }
+  bool beside_crack(const Site<2>& site) const
   {
-    return far_.has(site) && !(cracks_ && cracks_->near(lattice_.point(site), reach_ * lattice_.dx));
+    return cracks_ && cracks_->near(lattice_.point(site), reach_ * lattice_.dx);
   }
   /// x after the run that begins at a site, its own where that is not far.
   Index end(Site<2> site) const
@@ -104,11 +126,13 @@ public:
                                                                   Map(window.lower, window.extent, 2 * reach, reach_),
                                                                   Map(window.lower, window.extent, 2 * reach, reach_),
                                                                   Map(window.lower, window.extent, 2 * reach, reach_)},
-        straight_(depth_), beside_(window.lower, window.extent, 2 * reach, 0)
+        straight_(depth_), beside_(window.lower, window.extent, 2 * reach, 0), bonded_(beside_)
   {
-    const std::vector<Site<2>> near = sites_near_sides();
+    std::vector<Site<2>> near = sites_near_border();
     there_.fill(1);
     for (const Site<2>& site : near) there_[site] = exists(site);
+    const Map amid = there_.common(reach);
+    std::erase_if(near, [&](const Site<2>& site) { return amid.at(site) && !inside_.beside_crack(site); });
     for (std::size_t way = 0; way < kWays; ++way) {
       for (const Site<2>& site : near) depth_[way][site] = look(site, way);
       for (const Site<2>& site : near) {
@@ -116,12 +140,23 @@ public:
         if (straight_[way].at(site) < reach_) beside_[site] = 1;
       }
     }
+    for (const Site<2>& site : near)
+      if (beside_.at(site)) mark_around(site);
   }
 
   /// Rows between the site and the straight side that way, `reach` where there is none so near.
   int rows(const Site<2>& site, std::size_t way) const { return straight_[way].at(site); }
   /// Is any straight side nearer than a reach?
   bool beside(const Site<2>& site) const { return beside_.at(site); }
+  /// May the site have a bond that begins or ends beside a side?
+  bool bonded(const Site<2>& site) const { return bonded_.at(site); }
+  /// x after the sites that have none, from this one on.
+  Index end_of_plain(Site<2> site) const
+  {
+    const Index end = bonded_.lower()[0] + bonded_.extent()[0];
+    while (site[0] < end && !bonded_.at(site)) ++site[0];
+    return site[0];
+  }
 
 private:
   using Map = SiteMap<2, std::uint8_t>;
@@ -138,8 +173,15 @@ private:
     return !cracks_->near(x, lattice_.dx) || !cracks_->cuts(x, lattice_.point(next));
   }
 
+  void mark_around(const Site<2>& site)
+  {
+    for (Site<2> at{0, site[1] - reach_}; at[1] <= site[1] + reach_; ++at[1])
+      for (at[0] = site[0] - reach_; at[0] <= site[0] + reach_; ++at[0])
+        if (bonded_.holds(at)) bonded_[at] = 1;
+  }
+
   /// All but those so far inside that no side is near.
-  std::vector<Site<2>> sites_near_sides() const
+  std::vector<Site<2>> sites_near_border() const
   {
     std::vector<Site<2>> near;
     const Site<2>&lower = there_.lower(), &extent = there_.extent();
@@ -183,7 +225,7 @@ private:
   const crack::CrackSet* cracks_;
   Map there_;
   std::array<Map, kWays> depth_, straight_;
-  Map beside_;
+  Map beside_, bonded_;
 };
 
 /// The factor that the sides on one way give to the bond from i to j, which spans `across` rows that way. Ends in one
@@ -251,8 +293,9 @@ template <int Dim> SurfaceCorrection<Dim> correct_volumes(Stencil<Dim> stencil, 
     const auto shares = std::make_shared<Shares<Dim>>(*shared, exists, window);
     BondFactors<Dim> factors;
     factors.of = [shared, shares](const Site<Dim>& lower, std::size_t arm) { return shares->factor(lower, arm); };
-    factors.end_of_plain = [far = window.sites().eroded(family_reach(*shared) + shared->reach)](
-                               const Site<Dim>& lower) { return far.has(lower) ? far.end_of_run(lower) : lower[0]; };
+    const geom::SiteSet<Dim> far = window.sites().eroded(family_reach(*shared) + shared->reach);
+    factors.any = [far](const Site<Dim>& lower) { return !far.has(lower); };
+    factors.end_of_plain = [far](const Site<Dim>& lower) { return far.has(lower) ? far.end_of_run(lower) : lower[0]; };
     return factors;
   };
 }
@@ -274,9 +317,8 @@ SurfaceCorrection<2> correct_sides(Stencil<2> stencil, SideWeights weights, Exis
       return towards(weights, *sides, 0, lower, upper, dx, dy) * towards(weights, *sides, 1, upper, lower, dx, dy) *
              towards(weights, *sides, 2, left, right, dy, dx) * towards(weights, *sides, 3, right, left, dy, dx);
     };
-    const Index width = 2 * stencil.reach;
-    factors.end_of_plain = [far = FarRuns(window.sites().eroded(width), window.lattice, cracks, width + 1)](
-                               const Site<2>& lower) { return far.end(lower); };
+    factors.any = [sides](const Site<2>& lower) { return sides->bonded(lower); };
+    factors.end_of_plain = [sides](const Site<2>& lower) { return sides->end_of_plain(lower); };
     return factors;
   };
 }

@@ -115,9 +115,9 @@ private:
   std::vector<double> limits_; // per patch, of the stretch; empty: nobody watches [-]
   mutable bool overstretched_seen_ = false;
   mutable std::vector<double> spread_;
-  mutable std::vector<CarriedLanes<Dim>> lanes_; // of bonds from a row to few rows
-  std::vector<std::size_t> others_;              // numbers of those in no lanes
-  mutable std::int64_t lanes_revision_ = -1;     // that lanes know
+  mutable std::vector<CarriedLanes<Dim>> lanes_;                    // of bonds from a row to few rows
+  std::vector<std::size_t> others_;                                 // numbers of those in no lanes
+  mutable std::int64_t lanes_revision_ = -1;                        // that lanes know
   mutable std::vector<std::pair<Index, pd::BondedVolume>> volumes_; // at the outer ends, by row of the particle
   mutable std::int64_t volumes_revision_ = -1;                      // that they know
   Processor processor_ = chosen_processor();

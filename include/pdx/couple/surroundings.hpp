@@ -106,7 +106,7 @@ private:
   std::size_t position(const Site<2>& site) const;
   void find_free_ends();
   static std::array<double, 2> zone_of(const Side& side, double cell, Index zone);
-  std::optional<Host> host_on(const Side& side, const Vector<2>& x, const Vector<2>& inward, Index zone) const;
+  bool host_on(const Side& side, const Vector<2>& x, const Vector<2>& inward, Index zone, Host& host) const;
   int side_of(const Vector<2>& a, const Vector<2>& b) const;
   bool in_band(const Site<2>& site) const;
   static Edge edge_of(const ElementView& scene, Index behind, std::array<Index, 2> vertices, Eigen::Index along);

@@ -86,6 +86,9 @@ public:
   std::span<const Run> linear_runs() const { return fresh(linear_runs_); }
   /// How bonds near free surfaces are corrected, those that leave the patch too; may be empty.
   const SurfaceCorrection<Dim>& correction() const { return correction_; }
+  /// The factors of bonds that start in a box of sites; known ones are given away.
+  BondFactors<Dim> take_factors(const Site<Dim>& lower, const Site<Dim>& extent);
+  void forget_factors() { factors_known_ = {}; }
 
   /// Bonds with an end in one of the boxes [m] never break; cracks still cut them. In 3-D boxes reach through.
   void protect(std::span<const geom::Box<2>> boxes);
@@ -115,6 +118,7 @@ public:
   std::vector<Index> halo_sites() const;
   /// Bonds that start at owned particle k and are gone, those that a crack cut included, bit h for half arm h.
   std::array<std::uint64_t, 2> gone_of(Index k) const;
+  std::vector<std::uint64_t> gone() const; ///< of all owned particles, two words each
   /// Breaks the bonds that these words have, two words (`gone_of`) for each of `sites`, then of
   /// `halo_sites`. After `cut`.
   void set_gone(std::span<const std::uint64_t> words);
@@ -211,6 +215,7 @@ private:
   SfHandle halo_sf_;
   mutable std::vector<double> halo_buffer_;
   mutable double waited_ = 0.0;
+  BondFactors<Dim> factors_known_; ///< in the window, until somebody takes them
 };
 
 template <int Dim> std::ptrdiff_t LatticePart<Dim>::at(const Site<Dim>& site) const

@@ -10,11 +10,10 @@ template <int Dim> using Exists = std::function<bool(const Site<Dim>&)>;
 
 /// The factors that free surfaces give to the stiffness of the bonds which start in a window.
 template <int Dim> struct BondFactors {
-  /// x after the sites along x, from this one on, whose bonds have the factor 1, all that start there; the site's own x
-  /// if it has none such.
+  /// False where all bonds that start at the site have the factor 1.
+  std::function<bool(const Site<Dim>& lower)> any;
+  /// x after the sites along x, from this one on, that have none of `any`.
   std::function<Index(const Site<Dim>& lower)> end_of_plain;
-  /// Is there a bond with another factor that starts at the site?
-  bool any(const Site<Dim>& lower) const { return end_of_plain(lower) == lower[0]; }
   /// Of the bond along a half arm from its lower end, which must be in the window; the bond must be there.     [-]
   std::function<double(const Site<Dim>& lower, std::size_t arm)> of;
   /// Rows beside a straight free side in which tension along it is as uniform all in all, force and moment; 0: none.
