@@ -3,6 +3,7 @@
 #include "pdx/base/symmetric.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -49,10 +50,16 @@ public:
 
   void add_particles()
   {
+    std::vector<std::uint8_t> asked(static_cast<std::size_t>(scene_.mesh.cells()), 0); // cells at a wanted vertex
+    for (const Index c : scene_.mesh.cells(mesh::Use::covered))
+      asked[static_cast<std::size_t>(c)] =
+          std::ranges::any_of(scene_.mesh.cell(c), [this](Index a) { return sums_.wanted(a); });
+    if (std::ranges::none_of(asked, [](std::uint8_t yes) { return yes; })) return;
     const couple::ParticleDamage all = couple::particle_damage(scene_.halo.rows(), scene_.bonds, scene_.carried);
     const Index first = scene_.halo.rows().first_particle();
     for (std::size_t k = 0; k < scene_.particles.size(); ++k) {
       const pd::Particle& p = scene_.particles[k];
+      if (!asked[static_cast<std::size_t>(p.cell)]) continue;
       const double dx = scene_.around[static_cast<std::size_t>(p.patch)].shape().lattice.dx;
       for (const Index a : scene_.mesh.cell(p.cell)) {
         if (!sums_.wanted(a)) continue;

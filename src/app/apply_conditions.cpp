@@ -9,7 +9,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <map>
 #include <set>
 
 namespace pdx::app {
@@ -24,10 +23,7 @@ class Conditions {
 public:
   Conditions(const mesh::Mesh& mesh, const SceneOptions& options, const PatchPlan& plan, Discretisation& d)
       : mesh_(mesh), options_(options), plan_(plan), d_(d)
-  {
-    for (std::size_t k = 0; k < d.particles.size(); ++k)
-      row_of_[{d.particles[k].patch, d.particles[k].site}] = d.system.rows.first_particle() + static_cast<Index>(k);
-  }
+  {}
 
   void apply()
   {
@@ -139,13 +135,16 @@ private:
     site[s] = first(std::min(edge.a[s], edge.b[s]), s);
     site[n] = line - 1;
     const bool low = !shape.active.has(site); // the patch lies above the edge
+    const auto named = [](const pd::Particle& p) { return std::pair{p.patch, p.site}; };
     for (Index k = 0; k < std::min<Index>(count, lattice.count[n]); ++k)
       for (site[s] = first(std::min(edge.a[s], edge.b[s]), s); site[s] < first(std::max(edge.a[s], edge.b[s]), s);
            ++site[s]) {
         site[n] = low ? line + k : line - 1 - k;
         if (!shape.active.has(site)) continue;
-        const auto at = row_of_.find({edge.patch, static_cast<Index>(shape.active.place(site))});
-        if (at != row_of_.end()) rows.push_back(at->second);
+        const std::pair wanted{Index{edge.patch}, static_cast<Index>(shape.active.place(site))};
+        const auto at = std::ranges::lower_bound(d_.particles, wanted, {}, named); // by patch and site
+        if (at != d_.particles.end() && named(*at) == wanted)
+          rows.push_back(d_.system.rows.first_particle() + static_cast<Index>(at - d_.particles.begin()));
       }
     return rows;
   }
@@ -293,7 +292,6 @@ private:
   const SceneOptions& options_;
   const PatchPlan& plan_;
   Discretisation& d_;
-  std::map<std::pair<int, Index>, Index> row_of_;
   std::span<double> load_; // of one condition [N]
 };
 } // namespace

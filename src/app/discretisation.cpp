@@ -41,6 +41,7 @@ void number_rows(const mesh::Mesh& mesh, bool with_points, Discretisation& d)
   for (std::size_t k = 0; k < d.nodes.size(); ++k)
     d.node_rows[static_cast<std::size_t>(d.nodes[k])] = system.rows.first + static_cast<PetscInt>(k);
   mesh::fill_halo(mesh, MPIU_INT, 1, d.node_rows.data());
+  system.coordinates.reserve(2 * static_cast<std::size_t>(system.rows.owned()));
   const auto place = [&](const Vector<2>& x) { system.coordinates.insert(system.coordinates.end(), {x[0], x[1]}); };
   for (const Index v : d.nodes) place(mesh.point(v));
   if (d.sets) {
@@ -174,8 +175,9 @@ void add_peridynamics(const mesh::Mesh& mesh, const SceneOptions& options, const
   Index band = 0;
   for (const auto& stencil : plan.stencils) band = std::max(band, stencil.reach + pd::family_reach<2>(stencil));
   d.seams = seams_of(mesh, options, plan);
-  d.around = couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows, d.sets.get(),
-                                          d.seams.empty() ? nullptr : &d.seams);
+  d.around =
+      couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows, d.sets.get(),
+                                   d.seams.empty() ? nullptr : &d.seams, options.scheme != couple::Scheme::energy);
   refuse_coarse_patches(options, plan, d);
   auto parts = make_parts(options, plan, d);
   if (d.elements || d.cut_elements || d.points) {

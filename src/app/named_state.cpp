@@ -29,9 +29,10 @@ std::vector<std::uint64_t> gone_in(const Standing& scene)
   if (scene.cloud) return scene.cloud->gone();
   std::vector<std::uint64_t> words;
   with_bonds(scene, [&](const auto& bonds) {
-    for (const auto& part : bonds.parts())
-      for (Index k = 0; k < static_cast<Index>(part->sites().size()); ++k)
-        for (const std::uint64_t word : part->gone_of(k)) words.push_back(word);
+    for (const auto& part : bonds.parts()) {
+      const std::vector<std::uint64_t> more = part->gone();
+      words.insert(words.end(), more.begin(), more.end());
+    }
   });
   return words;
 }
@@ -114,10 +115,19 @@ void add_rows(NamedState& state, const adapt::FreshRows& fresh)
   for (std::vector<double>* later : {&state.moving.a, &state.moving.held}) later->resize(state.moving.u.size(), 0.0);
 }
 
-StateMove::StateMove(const NamedState& state, const Standing& scene, bool changed)
-    : state_(state), scene_(scene), changed_(changed), names_(scene),
-      rows_(scene.model->system.rows.comm, state.rows, names_.rows()),
-      particles_(scene.model->system.rows.comm, state.particles, names_with_words(scene, names_)), misfit_(misfit_of())
+namespace {
+/// What a run has named itself has no name twice.
+field::RowMove::Wanted wanted(StateMove::From from)
+{
+  return from == StateMove::From::file ? field::RowMove::Wanted::often : field::RowMove::Wanted::once;
+}
+} // namespace
+
+StateMove::StateMove(const NamedState& state, const Standing& scene, From from)
+    : state_(state), scene_(scene), changed_(from == From::changed), names_(scene),
+      rows_(scene.model->system.rows.comm, state.rows, names_.rows(), wanted(from)),
+      particles_(scene.model->system.rows.comm, state.particles, names_with_words(scene, names_), wanted(from)),
+      misfit_(misfit_of())
 {}
 
 Misfit StateMove::misfit_of() const
@@ -165,18 +175,46 @@ void StateMove::break_bonds() const
   const int width = state_.words_per_particle;
   if (width == 0) return;
   if (scene_.cloud) return scene_.cloud->set_gone(particles_.carry(state_.gone, width));
+  const std::vector<std::uint64_t> mine = particles_.carry(state_.gone, width);
+  const Torn torn = torn_particles();
   with_bonds(scene_, [&](auto& bonds) {
+    auto next = mine.begin();
     for (std::size_t p = 0; p < bonds.parts().size(); ++p) {
-      std::vector<field::RowName> wanted; // the words of other ranks' particles too
-      for (const Index site : bonds.parts()[p]->word_sites())
-        wanted.push_back(names_.particle(static_cast<Index>(p), site));
-      const field::RowMove words(scene_.model->system.rows.comm, state_.particles, wanted);
-      bonds.set_gone(p, words.carry(state_.gone, width));
+      const auto& part = *bonds.parts()[p];
+      std::vector<field::RowName> others; // the words of other ranks' particles too
+      for (const Index site : part.halo_sites()) others.push_back(names_.particle(static_cast<Index>(p), site));
+      const auto end = next + std::ssize(part.sites()) * width;
+      std::vector<std::uint64_t> words(next, end);
+      next = end;
+      const std::vector<std::uint64_t> more = torn.words_of(scene_.model->system.rows.comm, others, width);
+      words.insert(words.end(), more.begin(), more.end());
+      bonds.set_gone(p, words);
     }
   });
   if (!scene_.d || !scene_.plan) return;
   if (changed_ && state_.carried) break_joined();
   if (scene_.d->carried) scene_.d->carried->set_broken(changed_ ? broken_carried() : *state_.carried);
+}
+
+/// Those of the state's particles that lost bonds.
+StateMove::Torn StateMove::torn_particles() const
+{
+  Torn torn;
+  const auto width = static_cast<std::size_t>(state_.words_per_particle);
+  for (std::size_t k = 0; k < state_.particles.size(); ++k) {
+    const auto words = std::span(state_.gone).subspan(k * width, width);
+    if (std::ranges::all_of(words, [](std::uint64_t word) { return word == 0; })) continue;
+    torn.names.push_back(state_.particles[k]);
+    torn.gone.insert(torn.gone.end(), words.begin(), words.end());
+  }
+  return torn;
+}
+
+std::vector<std::uint64_t> StateMove::Torn::words_of(MPI_Comm comm, std::span<const field::RowName> wanted,
+                                                     int width) const
+{
+  if (!any_rank(comm, !wanted.empty())) return {};
+  return field::RowMove(comm, names, wanted).carry(gone, width);
 }
 
 /// Bonds that left their patch when they broke, and lie in it now.
@@ -226,15 +264,14 @@ std::vector<std::uint64_t> StateMove::broken_carried() const
   scene_.d->carried->for_each_key([&](std::uint64_t key, Index patch) {
     const auto p = static_cast<std::size_t>(patch);
     const geom::SiteNames& names = scene_.plan->shapes[p].names;
-    const auto bond = couple::lattice_bond(key, names, scene_.plan->stencils[p]);
-    if (!bond) throw std::logic_error("a carried bond is of no lattice");
-    if (parted.contains(name_of(*bond, names))) broken.push_back(key);
+    const auto [site, arm] = couple::bond_name(key, names, scene_.plan->stencils[p]);
+    if (parted.contains(site * pd::kMaxHalfArms + arm)) broken.push_back(key);
     keys.push_back(key);
-    arms.push_back(bond->arm);
-    lower.push_back(field::RowName::particle(names.of(bond->lower)));
+    arms.push_back(arm);
+    lower.push_back(field::RowName::particle(site));
   });
-  const field::RowMove ends(scene_.model->system.rows.comm, state_.particles, lower);
-  const std::vector<std::uint64_t> gone = ends.carry(state_.gone, state_.words_per_particle);
+  const std::vector<std::uint64_t> gone =
+      torn_particles().words_of(scene_.model->system.rows.comm, lower, state_.words_per_particle);
   for (std::size_t k = 0; k < keys.size(); ++k)
     if (gone[kLatticeWords * k + arms[k] / 64] >> (arms[k] % 64) & 1u) broken.push_back(keys[k]);
   std::ranges::sort(broken);

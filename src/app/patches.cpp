@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <utility>
 
 namespace pdx::app {
 namespace {
@@ -227,21 +228,46 @@ void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOption
   }
 }
 
-std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan& plan, pd::Particles& swarm)
+namespace {
+/// Sites of a patch that follow each other along x in one cell.
+struct SitesInCell {
+  Index patch, place, count, cell;
+  Site<2> first;
+};
+
+std::vector<SitesInCell> sites_in_cells(const mesh::Mesh& mesh, const PatchPlan& plan)
 {
-  std::vector<pd::Particle> mine;
+  std::vector<SitesInCell> mine;
   for (const Index c : mesh.cells(mesh::Use::covered)) {
     if (c >= mesh.owned_cells()) continue;
     const couple::PatchShape& shape = plan.shapes[static_cast<std::size_t>(mesh.patch(c))];
-    mesh::for_each_site(mesh, c, shape.lattice, 0, [&](const Site<2>& site, const Vector<2>& x) {
-      if (shape.active.has(site)) mine.push_back({mesh.patch(c), static_cast<Index>(shape.active.place(site)), c, x});
+    const std::size_t before = mine.size();
+    mesh::for_each_site(mesh, c, shape.lattice, 0, [&](const Site<2>& site, const Vector<2>&) {
+      if (!shape.active.has(site)) return;
+      if (mine.size() > before && mine.back().first[1] == site[1] &&
+          mine.back().first[0] + mine.back().count == site[0])
+        ++mine.back().count;
+      else
+        mine.push_back({mesh.patch(c), static_cast<Index>(shape.active.place(site)), 1, c, site});
     });
+  }
+  std::ranges::sort(mine, {}, [](const SitesInCell& sites) { return std::pair{sites.patch, sites.place}; });
+  return mine;
+}
+} // namespace
+
+std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan& plan)
+{
+  std::vector<pd::Particle> mine;
+  for (const SitesInCell& sites : sites_in_cells(mesh, plan)) {
+    const geom::Lattice<2>& lattice = plan.shapes[static_cast<std::size_t>(sites.patch)].lattice;
+    for (Index k = 0; k < sites.count; ++k)
+      mine.push_back({sites.patch, sites.place + k, sites.cell, lattice.point({sites.first[0] + k, sites.first[1]})});
   }
   std::int64_t total = static_cast<std::int64_t>(mine.size()), wanted = 0;
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, mesh.comm());
   for (const auto& shape : plan.shapes) wanted += shape.active.size();
   if (total != wanted) throw std::logic_error(fmt::format("{} particles found a cell, {} should have", total, wanted));
-  swarm.add(mine);
-  return swarm.sorted();
+  return mine;
 }
 } // namespace pdx::app

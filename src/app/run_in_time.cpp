@@ -208,7 +208,7 @@ private:
     driver_.reset();
     rebuild(moves && !uneven_);
     add_dormant(files_.comm(), state, dormant_);
-    const StateMove move(state, scene_->standing(), moves);
+    const StateMove move(state, scene_->standing(), moves ? StateMove::From::changed : StateMove::From::same);
     move.require_fit();
     move.break_bonds();
     move.hold_grips();

@@ -269,14 +269,14 @@ private:
     driver_.reset();
     d_.reset();
     rebuild();
-    const bool moved = !change_.empty();
+    const StateMove::From before = change_.empty() ? StateMove::From::same : StateMove::From::changed;
     std::vector<double> start, force; // of the load accepted last
     if (open_) {
-      start = open_->start = take(StateMove(accepted->state, standing(), moved), *accepted);
+      start = open_->start = take(StateMove(accepted->state, standing(), before), *accepted);
       for (const auto& after : d_->system.after) after->save();
       force = internal_force(start);
     }
-    const StateMove move(now.state, standing(), moved);
+    const StateMove move(now.state, standing(), before);
     const std::vector<double> u = take(move, now);
     if (!open_) {
       start = u;

@@ -38,7 +38,7 @@ PatchPlan judged_plan(const SceneOptions& options, mesh::MeshOptions& mesh)
 Ground::Ground(MPI_Comm comm, SceneOptions given, const mesh::MeasuredCosts* costs,
                std::shared_ptr<const PointPlan<2>> bodies)
     : options(std::move(given)), mesh_options(options.mesh), plan(judged_plan(options, mesh_options)),
-      mesh(cut_mesh(comm, mesh_options, cell_cost(plan), costs)), swarm(comm), points(std::move(bodies))
+      mesh(cut_mesh(comm, mesh_options, cell_cost(plan), costs)), points(std::move(bodies))
 {
   if (points) deal_cells(*points, mesh);
   stop_if_told(comm);
@@ -48,7 +48,7 @@ void Ground::lay_particles()
 {
   if (!options.pd.any()) return;
   cover_cells(mesh, plan, mesh_options, options.frame);
-  particles = make_particles(mesh, plan, swarm);
+  particles = make_particles(mesh, plan);
   stop_if_told(mesh.comm());
 }
 
@@ -58,7 +58,6 @@ void Ground::lay_again(SceneOptions given)
   mesh_options = options.mesh;
   plan = judged_plan(options, mesh_options);
   mesh.uncover();
-  swarm = pd::Particles(mesh.comm());
   lay_particles();
 }
 

@@ -29,7 +29,30 @@ SceneNames::SceneNames(const Standing& scene) : scene_(scene)
     add_sets(*scene.mesh, *scene.d, rows_);
   }
   if (scene.points) rows_ = scene.points->node_names;
-  for (const pd::Particle& p : scene.model->particles) rows_.push_back(particle(p.patch, p.site));
+  add_particles();
+}
+
+/// Sites that follow each other in a run have names that do.
+void SceneNames::add_particles()
+{
+  const std::span<const pd::Particle> particles = scene_.model->particles;
+  rows_.reserve(rows_.size() + particles.size());
+  Index left = 0;         // of the run, behind the particle before
+  std::uint64_t step = 1; // from one name of the run to the next
+  for (std::size_t k = 0; k < particles.size(); ++k) {
+    const auto& [patch, site, cell, x] = particles[k];
+    if (left > 0 && patch == particles[k - 1].patch && site == particles[k - 1].site + 1) {
+      rows_.push_back(field::RowName::particle(rows_.back().key() + step));
+      --left;
+      continue;
+    }
+    rows_.push_back(particle(patch, site));
+    if (!scene_.plan) continue;
+    const couple::PatchShape& shape = scene_.plan->shapes[static_cast<std::size_t>(patch)];
+    const Site<2> at = shape.active.site(site);
+    left = shape.active.end_of_run(at) - at[0] - 1;
+    step = static_cast<std::uint64_t>(shape.names.lattices);
+  }
 }
 
 std::span<const field::RowName> SceneNames::particles() const

@@ -36,6 +36,8 @@ CarriedBonds<Dim>::CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> poin
                                 pd::Kinematics kinematics, bool symmetric)
     : rows_(rows), points_(std::move(points)), bonds_(std::move(bonds)), kinematics_(kinematics), symmetric_(symmetric)
 {
+  rest_.reserve(bonds_.size());
+  gone_.reserve(bonds_.size());
   for (const CarriedBond<Dim>& bond : bonds_) {
     const double length = bond.xi.norm();
     rest_.push_back({bond.xi / length, length});
@@ -255,15 +257,28 @@ void CarriedBonds<Dim>::overstretched(std::span<const double> u, std::span<const
   });
 }
 
+/// Of the particles that have bonds here, summed up anew only after bonds broke.
 template <int Dim> void CarriedBonds<Dim>::add_bonded_volume(std::span<pd::BondedVolume> volumes) const
 {
-  for (std::size_t number = 0; number < bonds_.size(); ++number) {
-    const CarriedBond<Dim>& bond = bonds_[number];
-    if (bond.volume == 0.0 || !counted(bond)) continue;
-    pd::BondedVolume& volume = volumes[static_cast<std::size_t>(points_.rows(bond.a).front())];
-    volume.whole += bond.volume;
-    if (!bond.cut) volume.start += bond.volume;
-    if (!gone_[number]) volume.now += bond.volume;
+  if (volumes_revision_ != revision_) {
+    volumes_revision_ = revision_;
+    volumes_.clear();
+    for (std::size_t number = 0; number < bonds_.size(); ++number) {
+      const CarriedBond<Dim>& bond = bonds_[number];
+      if (bond.volume == 0.0 || !counted(bond)) continue;
+      const Index row = points_.rows(bond.a).front();
+      if (volumes_.empty() || volumes_.back().first != row) volumes_.push_back({row, {}});
+      pd::BondedVolume& volume = volumes_.back().second;
+      volume.whole += bond.volume;
+      if (!bond.cut) volume.start += bond.volume;
+      if (!gone_[number]) volume.now += bond.volume;
+    }
+  }
+  for (const auto& [row, volume] : volumes_) {
+    pd::BondedVolume& sum = volumes[static_cast<std::size_t>(row)];
+    sum.whole += volume.whole;
+    sum.start += volume.start;
+    sum.now += volume.now;
   }
 }
 

@@ -101,6 +101,8 @@ ParticleDamage particle_damage(const field::Rows& rows, const pd::BondTerm<Dim>&
   bonds.add_bonded_volume(volumes);
   if (carried) carried->add_bonded_volume(volumes);
   ParticleDamage result;
+  result.damage.reserve(static_cast<std::size_t>(rows.particles));
+  result.precrack.reserve(static_cast<std::size_t>(rows.particles));
   for (Index row = rows.first_particle(); row < rows.owned(); ++row) {
     result.damage.push_back(pd::damage(volumes[static_cast<std::size_t>(row)]));
     result.precrack.push_back(pd::precrack_share(volumes[static_cast<std::size_t>(row)]));

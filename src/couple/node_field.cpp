@@ -3,6 +3,7 @@
 #include "pdx/mesh/vertex_halo.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace pdx::couple {
@@ -23,36 +24,36 @@ void around(const pd::LatticePart<2>& part, const Vector<2>& x, std::vector<Inde
     const auto i = static_cast<Index>(a % 2), j = static_cast<Index>(a / 2);
     return Site<2>{std::min(low[0] + i, count[0] - 1), std::min(low[1] + j, count[1] - 1)};
   };
-  const auto missing = [&](const Site<2>& low) {
-    std::vector<std::size_t> none;
-    for (std::size_t a = 0; a < 4; ++a)
-      if (!part.active().has(corner(low, a))) none.push_back(a);
+  const auto missing = [&](const Site<2>& low) { // a bit for each corner
+    unsigned none = 0;
+    for (std::size_t a = 0; a < 4; ++a) none |= unsigned{!part.active().has(corner(low, a))} << a;
     return none;
   };
+  const auto count_of = [&missing](const Site<2>& low) { return std::popcount(missing(low)); };
   Site<2> low = base;
-  std::size_t fewest = missing(base).size();
+  int fewest = count_of(base);
   for (Site<2> step{0, -1}; step[1] <= 1; ++step[1])
     for (step[0] = -1; step[0] <= 1 && fewest > 1; ++step[0])
-      if (const Site<2> other{base[0] + step[0], base[1] + step[1]}; missing(other).size() < fewest) {
-        fewest = missing(other).size();
+      if (const Site<2> other{base[0] + step[0], base[1] + step[1]}; count_of(other) < fewest) {
+        fewest = count_of(other);
         low = other;
       }
   std::array<double, 2> t{};
   for (std::size_t d = 0; d < 2; ++d) t[d] = count[d] > 1 ? f[d] - low[d] : 0.0;
   std::array<double, 4> w{(1.0 - t[0]) * (1.0 - t[1]), t[0] * (1.0 - t[1]), (1.0 - t[0]) * t[1], t[0] * t[1]};
-  const std::vector<std::size_t> none = missing(low);
-  if (none.size() == 1) {
-    const std::size_t gone = none[0];
+  const unsigned none = missing(low);
+  if (fewest == 1) {
+    const auto gone = static_cast<std::size_t>(std::countr_zero(none));
     w[gone ^ 1u] += w[gone];
     w[gone ^ 2u] += w[gone];
     w[gone ^ 3u] -= w[gone];
-  } else if (!none.empty()) { // a patch one particle wide
+  } else if (none) { // a patch one particle wide
     w.fill(0.0);
     for (std::size_t a = 0; a < 4; ++a)
-      if (part.active().has(corner(low, a))) w[a] = 1.0 / static_cast<double>(4 - none.size());
+      if (part.active().has(corner(low, a))) w[a] = 1.0 / (4 - fewest);
   }
   for (std::size_t a = 0; a < 4; ++a) {
-    if (std::ranges::find(none, a) != none.end()) continue;
+    if (none >> a & 1u) continue;
     sites.push_back(part.number(corner(low, a)));
     weights.push_back(w[a]);
   }

@@ -39,7 +39,7 @@ constexpr std::uint64_t kParts = 32; // of a bond that can act: more than it has
 /// Writes the drafts of one patch, in order of sites, and the points that elements carry.
 class Drafter {
 public:
-  Drafter(const field::Rows& rows, const CouplingOptions& options, const Part& part, const Surroundings& around,
+  Drafter(const field::Rows& rows, const CouplingOptions& options, Part& part, const Surroundings& around,
           CarriedPoints<2>& points)
       : rows_(rows), options_(options), part_(part), around_(around), points_(points),
         exists_(family_of(around, part.stencil(), options.scheme)),
@@ -47,11 +47,9 @@ public:
   {
     for (const pd::Arm<2>& arm : part.stencil().half)
       lines_.push_back({geom::pieces_of_line<2>({-arm.step[0], -arm.step[1]}), geom::pieces_of_line<2>(arm.step)});
-    if (!part.correction()) return;
     const Index reach = part.stencil().reach; // bonds that clip a corner start and end outside
     const auto& count = part.lattice().count;
-    factors_ = part.correction()(
-        {part.lattice(), {-reach, -reach}, {count[0] + 2 * reach, count[1] + 2 * reach}, &part.active()});
+    factors_ = part.take_factors({-reach, -reach}, {count[0] + 2 * reach, count[1] + 2 * reach});
   }
 
   std::vector<Draft> write()
@@ -158,9 +156,14 @@ private:
         draft.energy_share = arm.length / part_.stencil().volume();
         draft.volume = arm.volume_share * part_.stencil().volume();
         const double leave = leaves(site, line);
-        std::optional<Host> edge;
+        const std::optional<Host> edge = options_.scheme == Scheme::ghost
+                                             ? std::nullopt
+                                             : around_.edge_host(x + leave * draft.xi, -leave * draft.xi, zone());
+        if (options_.scheme != Scheme::ghost && !edge) continue; // leaves through a side without elements behind
+        if (options_.scheme == Scheme::energy) draft.xi *= leave;
         Ends ends;
-        if (!place_far_end(draft, x, leave, other, edge, ends)) continue;
+        ends.b = options_.scheme == Scheme::energy ? &*edge : &around_.element_host(other);
+        ends.force_b = options_.scheme == Scheme::ghost ? ends.b : &*edge;
         if (row < 0 && !mine(ends.b) && !mine(ends.force_b)) continue;
         if (edge && edge->side >= 0)
           draft.leaves = around_.leaving(edge->side, site, {sign * leave * arm.step[0], sign * leave * arm.step[1]});
@@ -180,26 +183,13 @@ private:
     return leave;
   }
 
-  /// Chooses what carries the outer end; false where the bond leaves through a side without elements behind.
-  bool place_far_end(Draft& draft, const Vector<2>& x, double leave, const Site<2>& other, std::optional<Host>& edge,
-                     Ends& ends) const
-  {
-    if (options_.scheme != Scheme::ghost) {
-      edge = around_.edge_host(x + leave * draft.xi, -leave * draft.xi, zone());
-      if (!edge) return false;
-      if (options_.scheme == Scheme::energy) draft.xi *= leave;
-    }
-    ends.b = options_.scheme == Scheme::energy ? &*edge : &around_.element_host(other);
-    ends.force_b = options_.scheme == Scheme::ghost ? ends.b : &*edge;
-    return true;
-  }
-
   /// Bonds with a part in the patch that ends at the border on both sides.
   void clip_from(const Site<2>& site)
   {
     const geom::SiteSet<2>& active = part_.active();
     if ((active.is_box() && active.has(site)) || !bonded(site)) return;
     for (std::size_t h = 0; h < part_.stencil().half.size(); ++h) {
+      if (!geom::comes_in<2>(active, site, lines_[h][1])) continue; // that begins in the patch leaves it above
       const Site<2> other = stepped(site, part_.stencil().half[h].step, 1);
       if ((active.is_box() && active.has(other)) || !bonded(other)) continue;
       for (const geom::PartInside& part : geom::parts_inside<2>(active, site, lines_[h][1]))
@@ -279,6 +269,16 @@ std::optional<pd::LatticePart<2>::BondAt> lattice_bond(std::uint64_t key, const 
   return pd::LatticePart<2>::BondAt{forward ? *site : stepped(*site, stencil.half[arm].step, -1), arm};
 }
 
+BondName bond_name(std::uint64_t key, const geom::SiteNames& names, const pd::Stencil<2>& stencil)
+{
+  const std::uint64_t bond = key / kParts;
+  const auto arm = static_cast<std::size_t>(bond / 2 % pd::kMaxHalfArms);
+  const std::uint64_t site = bond / 2 / pd::kMaxHalfArms;
+  if (bond % 2) return {site, arm};
+  const Site<2>& step = stencil.half[arm].step;
+  return {site - static_cast<std::uint64_t>((step[1] * names.width + step[0]) * names.lattices), arm};
+}
+
 pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stencil, Scheme scheme)
 {
   if (scheme == Scheme::energy)
@@ -303,6 +303,7 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
   for (std::size_t p = 0; p < parts.size(); ++p) {
     std::vector<Draft> drafts = Drafter(rows, options, *parts[p], around[p], points).write();
     complete(drafts, *parts[p]);
+    bonds.reserve(bonds.size() + drafts.size());
     PetscInt last_row = -1;
     Index last_point = -1;
     for (const Draft& draft : drafts) {

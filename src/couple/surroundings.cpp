@@ -68,54 +68,55 @@ struct Surroundings::Trace {
   }
 
   /// The linear trace at s itself.
-  Host at(double s) const
+  void at(double s, Host& host) const
   {
-    Host host;
+    host = {};
     const Edge* edge = edge_beside(s, host.sided);
     const double t = std::clamp((s - edge->begin) / (edge->end - edge->begin), 0.0, 1.0);
     (void)add(host, *edge, 0, 1.0 - t);
     (void)add(host, *edge, 1, t);
-    return host;
   }
 
   /// The mean of the trace over the lattice cell along the side that holds s, continued to s with the mean slope. It is
   /// the trace itself where no node lies inside the cell, exact for linear displacement everywhere, and hands the
   /// forces of a uniform lattice to the nodes exactly as a uniform traction would, whatever the ratio of element to
   /// spacing: over one point per cell, means add up to the integral and slopes to the difference of the ends.
-  /// Nothing where the edges do not fill the cell, more than four nodes take part, or a part of it lies across a crack
+  /// False where the edges do not fill the cell, more than four nodes take part, or a part of it lies across a crack
   /// or seam.
-  std::optional<Host> mean_over(const Interval& cell, double s) const
+  bool mean_over(const Interval& cell, double s, Host& host) const
   {
+    host = {};
     const double dx = cell.end - cell.begin, offset = (s - 0.5 * (cell.begin + cell.end)) / dx;
     const double tiny = kTiny * dx;
-    Host host;
     double filled = 0.0;
     bool parted = false;
-    std::vector<std::pair<const Edge*, double>> parts; // with their middles
+    std::array<std::pair<const Edge*, double>, Host::kRows> parts; // with their middles; each brings a row
+    std::size_t count = 0;
     const Edge* const last = edges.data() + edges.size();
     for (const Edge* edge = edge_at(cell.begin + tiny); edge != last && edge->begin < cell.end - tiny; ++edge) {
       const double begin = std::max(edge->begin, cell.begin), end = std::min(edge->end, cell.end);
       if (end - begin < tiny) continue;
-      if (!parts.empty() && !joined(*parts.back().first, *edge)) return std::nullopt;
+      if (count == parts.size() || (count && !joined(*parts[count - 1].first, *edge))) return false;
       const auto t = [&](double place) { return (place - edge->begin) / (edge->end - edge->begin); };
       // Mean over the part in this edge, and rise over it; the rises of all parts add up to the slope times dx.
       const double share = (end - begin) / dx, middle = t(0.5 * (begin + end)), rise = t(end) - t(begin);
-      if (!add(host, *edge, 0, share * (1.0 - middle) - offset * rise)) return std::nullopt;
-      if (!add(host, *edge, 1, share * middle + offset * rise)) return std::nullopt;
-      parts.emplace_back(edge, 0.5 * (begin + end));
+      if (!add(host, *edge, 0, share * (1.0 - middle) - offset * rise)) return false;
+      if (!add(host, *edge, 1, share * middle + offset * rise)) return false;
+      parts[count++] = {edge, 0.5 * (begin + end)};
       filled += share;
     }
-    if (host.across || std::abs(filled - 1.0) > 1e-6) return std::nullopt;
+    if (host.across || std::abs(filled - 1.0) > 1e-6) return false;
     const Edge* beside = edge_beside(s, parted);
-    if (parted && std::ranges::find(parts, beside, [](const auto& part) { return part.first; }) == parts.end())
-      return std::nullopt;
+    const auto taken = std::span(parts).first(count);
+    if (parted && std::ranges::find(taken, beside, [](const auto& part) { return part.first; }) == taken.end())
+      return false;
     host.sided = host.sided || parted;
-    for (const auto& [cut, ignored] : parts)
-      for (const auto& [whole, place] : parts) {
+    for (const auto& [cut, ignored] : taken)
+      for (const auto& [whole, place] : taken) {
         if (cut->crack < 0 || whole->crack == cut->crack) continue;
-        if (cracks->side(cut->crack, point(place)) != cracks->side(cut->crack, from)) return std::nullopt;
+        if (cracks->side(cut->crack, point(place)) != cracks->side(cut->crack, from)) return false;
       }
-    return host;
+    return true;
   }
 };
 
@@ -148,6 +149,7 @@ bool Surroundings::exists(const Site<2>& site) const { return shape_.active.has(
 
 bool Surroundings::behind_elements(const Site<2>& site) const
 {
+  Host host; // nobody asks which
   for (const Side& side : sides_) {
     const auto& [axis, upper, at, from, to] = side.line;
     const Index beyond = upper ? site[axis] - at + 1 : at - site[axis]; // rows outside
@@ -158,7 +160,7 @@ bool Surroundings::behind_elements(const Site<2>& site) const
     Vector<2> foot;
     foot[d] = side.face;
     foot[1 - d] = std::min(std::max(shape_.lattice.point(site)[1 - d], side.start + middle), end - middle);
-    if (!host_on(side, foot, Vector<2>::Zero(), 0)) return false;
+    if (!host_on(side, foot, Vector<2>::Zero(), 0, host)) return false;
   }
   return !shape_.active.has(site);
 }
@@ -211,35 +213,36 @@ int Surroundings::side_of(const Vector<2>& a, const Vector<2>& b) const
 
 std::optional<Host> Surroundings::edge_host(const Vector<2>& x, const Vector<2>& inward, Index zone) const
 {
+  std::optional<Host> host(std::in_place); // worked out in its place
   for (std::size_t d = 0; d < 2; ++d) {
     const auto axis = static_cast<Eigen::Index>(d);
     const double line = std::round((x[axis] - shape_.lattice.origin[axis]) / shape_.lattice.dx);
     if (line < 0.0 || line > shape_.lattice.count[d]) continue;
     for (const std::size_t k : sides_on_[d][static_cast<std::size_t>(line)])
-      if (auto host = host_on(sides_[k], x, inward, zone)) {
+      if (host_on(sides_[k], x, inward, zone, *host)) {
         host->side = static_cast<int>(k);
         return host;
       }
   }
-  return std::nullopt;
+  host.reset();
+  return host;
 }
 
-/// Nothing if x is not on the side, or no elements are there.
-std::optional<Host> Surroundings::host_on(const Side& side, const Vector<2>& x, const Vector<2>& inward,
-                                          Index zone) const
+/// False if x is not on the side, or no elements are there.
+bool Surroundings::host_on(const Side& side, const Vector<2>& x, const Vector<2>& inward, Index zone, Host& host) const
 {
   const double dx = shape_.lattice.dx, near = kOnSide * dx;
   const auto d = static_cast<Eigen::Index>(side.line.axis);
-  if (std::abs(x[d] - side.face) > near || side.edges.empty()) return std::nullopt;
+  if (std::abs(x[d] - side.face) > near || side.edges.empty()) return false;
   const double s = x[1 - d], start = side.start;
-  if (s < side.edges.front().begin - near || s > side.edges.back().end + near) return std::nullopt;
+  if (s < side.edges.front().begin - near || s > side.edges.back().end + near) return false;
   // A point on the border of two lattice cells counts to the one its bond comes from.
   const double towards = inward[1 - d] > near ? near : inward[1 - d] < -near ? -near : 0.0;
   const Index cells = side.cells();
   const double cell = std::clamp(std::floor((s + towards - start) / dx), 0.0, cells - 1.0);
   const Trace trace{side.edges, cracks_, seams_, x + inward, side.face, 1 - d};
-  const auto over = [&](const std::array<double, 2>& rows) {
-    return trace.mean_over({start + rows[0] * dx, start + rows[1] * dx}, s);
+  const auto over = [&](const std::array<double, 2>& rows, Host& mean) {
+    return trace.mean_over({start + rows[0] * dx, start + rows[1] * dx}, s, mean);
   };
   if (zone) {
     // On the border of a zone, bonds that cross each other there share their forces evenly between both sides.
@@ -248,13 +251,12 @@ std::optional<Host> Surroundings::host_on(const Side& side, const Vector<2>& x, 
     const auto below = zone_of(side, shared ? border - 1.0 : cell, zone),
                above = shared ? zone_of(side, border, zone) : below;
     if (below[1] - below[0] > 1.0 || above[1] - above[0] > 1.0) {
-      std::optional<Host> host = over(below);
-      const std::optional<Host> other = over(above);
-      if (host && other && host->mix(*other)) return host;
+      Host other;
+      if (over(below, host) && over(above, other) && host.mix(other)) return true;
     }
   }
-  const auto host = over({cell, cell + 1.0});
-  return host ? host : trace.at(s);
+  if (!over({cell, cell + 1.0}, host)) trace.at(s, host);
+  return true;
 }
 
 Leaving Surroundings::leaving(int side, const Site<2>& site, const std::array<double, 2>& along) const

@@ -24,22 +24,33 @@ Host host_in_cell(const ElementView& scene, Index cell, const Vector<2>& x)
   return host;
 }
 
-void Surroundings::find_outside(const ElementView& scene, std::span<const Surroundings> patches,
+void Surroundings::find_outside(const ElementView& scene, std::span<const Surroundings> patches, bool hosts,
                                 std::vector<OutsideRecord>& found)
 {
   const mesh::Mesh& mesh = scene.mesh;
   std::vector<geom::SiteSet<2>> near;
-  for (const Surroundings& patch : patches) near.push_back(patch.shape_.active.grown(patch.band_));
-  for (Index c = 0; c < mesh.owned_cells(); ++c)
+  std::vector<geom::Box<2>> bounds; // of all sites that are looked at
+  for (const Surroundings& patch : patches) {
+    const geom::Lattice<2>& lattice = patch.shape_.lattice;
+    near.push_back(patch.shape_.active.grown(patch.band_));
+    const Site<2>&lower = near.back().lower(), &upper = near.back().upper();
+    bounds.push_back({lattice.point({lower[0] - 1, lower[1] - 1}), lattice.point(upper)});
+  }
+  for (Index c = 0; c < mesh.owned_cells(); ++c) {
+    const auto corners = mesh.corners(c);
+    const Vector<2> lower = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]).cwiseMin(corners[3]);
+    const Vector<2> upper = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]).cwiseMax(corners[3]);
     for (std::size_t p = 0; p < patches.size(); ++p) {
       const PatchShape& shape = patches[p].shape_;
       if (mesh.patch(c) == static_cast<int>(p) || mesh.body(c) != shape.body) continue;
+      if ((lower.array() > bounds[p].upper.array()).any() || (upper.array() < bounds[p].lower.array()).any()) continue;
       mesh::for_each_site(mesh, c, shape.lattice, patches[p].band_, [&](const Site<2>& site, const Vector<2>& x) {
         if (shape.active.has(site) || !near[p].has(site)) return;
-        const bool element = mesh.use(c) != mesh::Use::covered;
-        found.push_back({static_cast<int>(p), site, element ? host_in_cell(scene, c, x) : Host{}});
+        const bool element = hosts && mesh.use(c) != mesh::Use::covered;
+        found.push_back({{static_cast<int>(p), site}, element ? host_in_cell(scene, c, x) : Host{}});
       });
     }
+  }
 }
 
 Surroundings::Edge Surroundings::edge_of(const ElementView& scene, Index behind, std::array<Index, 2> vertices,
@@ -77,10 +88,19 @@ void Surroundings::find_edges(const ElementView& scene, std::span<const Surround
   };
   std::unordered_map<std::int64_t, Index> behind; // edge -> element on the other side, -1 for none
   const auto covered = mesh.cells(mesh::Use::covered);
+  std::vector<std::uint8_t> corner(static_cast<std::size_t>(mesh.vertices()), 0); // of a covered cell
   for (const Index c : covered)
-    for (std::size_t a = 0; a < 4; ++a) behind[key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])] = -1;
+    for (std::size_t a = 0; a < 4; ++a) {
+      behind[key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])] = -1;
+      corner[static_cast<std::size_t>(mesh.cell(c)[a])] = 1;
+    }
+  const auto beside = [&](Index c) {
+    int corners = 0;
+    for (const Index v : mesh.cell(c)) corners += corner[static_cast<std::size_t>(v)];
+    return corners > 1;
+  };
   for (Index c = 0; c < mesh.cells(); ++c)
-    for (std::size_t a = 0; a < 4 && mesh.use(c) != mesh::Use::covered; ++a)
+    for (std::size_t a = 0; a < 4 && mesh.use(c) != mesh::Use::covered && beside(c); ++a)
       if (const auto edge = behind.find(key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])); edge != behind.end())
         edge->second = c;
   for (const Index c : covered) {
@@ -99,7 +119,7 @@ void Surroundings::find_edges(const ElementView& scene, std::span<const Surround
 
 std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span<const PatchShape> patches, Index band,
                                                std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets,
-                                               const crack::CrackSet* seams)
+                                               const crack::CrackSet* seams, bool hosts)
 {
   std::vector<Surroundings> all;
   for (const PatchShape& shape : patches) all.push_back(Surroundings(shape, band));
@@ -110,12 +130,21 @@ std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span
   std::vector<OutsideRecord> outside;
   std::vector<EdgeRecord> edges;
   const ElementView scene{mesh, node_rows, sets};
-  find_outside(scene, all, outside);
+  find_outside(scene, all, hosts, outside);
   find_edges(scene, all, edges);
-  for (const OutsideRecord& record : gather_all(mesh.comm(), outside)) {
-    Surroundings& around = all[static_cast<std::size_t>(record.patch)];
-    around.hosts_.push_back(record.host);
-    around.where_[around.position(record.site)] = static_cast<Index>(around.hosts_.size());
+  const auto place = [&all](const OutsideSite& outside_site) {
+    Surroundings& around = all[static_cast<std::size_t>(outside_site.patch)];
+    around.where_[around.position(outside_site.site)] = static_cast<Index>(around.hosts_.size());
+  };
+  if (hosts)
+    for (const OutsideRecord& record : gather_all(mesh.comm(), outside)) {
+      all[static_cast<std::size_t>(record.patch)].hosts_.push_back(record.host);
+      place(record);
+    }
+  else {
+    for (Surroundings& around : all) around.hosts_.resize(1);
+    for (const OutsideSite& site : gather_all(mesh.comm(), std::vector<OutsideSite>(outside.begin(), outside.end())))
+      place(site);
   }
   for (const EdgeRecord& record : gather_all(mesh.comm(), edges))
     all[static_cast<std::size_t>(record.patch)].sides_[static_cast<std::size_t>(record.side)].edges.push_back(

@@ -11,6 +11,7 @@ BondTerm<Dim>::BondTerm(std::vector<std::unique_ptr<LatticePart<Dim>>> parts, Ki
   for (const auto& part : parts_) {
     scratch_.push_back(part->window());
     if (kinematics_ == Kinematics::finite) state_.push_back(part->window());
+    part->forget_factors();
   }
 }
 

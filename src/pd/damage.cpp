@@ -19,10 +19,10 @@ template void add_bonded_volume<3>(const BondView<3>&, const Stencil<3>&, std::s
 
 double damage(const BondedVolume& volume)
 {
-  return volume.whole > 0.0 ? (volume.start - volume.now) / volume.whole : 0.0;
+  return volume.whole > 0.0 && volume.start != volume.now ? (volume.start - volume.now) / volume.whole : 0.0;
 }
 double precrack_share(const BondedVolume& volume)
 {
-  return volume.whole > 0.0 ? (volume.whole - volume.start) / volume.whole : 0.0;
+  return volume.whole > 0.0 && volume.whole != volume.start ? (volume.whole - volume.start) / volume.whole : 0.0;
 }
 } // namespace pdx::pd

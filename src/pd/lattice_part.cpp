@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <utility>
 
 namespace pdx::pd {
 namespace {
@@ -38,13 +39,12 @@ template <int Dim> void LatticePart<Dim>::place_window()
   Site<Dim> upper{};
   lower_.fill(std::numeric_limits<Index>::max());
   upper.fill(std::numeric_limits<Index>::lowest());
-  for (const Index number : sites_) {
-    const Site<Dim> site = where_.active.site(number);
+  for_each_own([&](std::size_t, const Site<Dim>& site) {
     for (std::size_t d = 0; d < Dim; ++d) {
       lower_[d] = std::min(lower_[d], site[d]);
       upper[d] = std::max(upper[d], site[d]);
     }
-  }
+  });
   window_size_ = sites_.empty() ? 0 : 1;
   for (std::size_t d = 0; d < Dim; ++d) {
     lower_[d] -= stencil_.reach;
@@ -63,8 +63,9 @@ template <int Dim> void LatticePart<Dim>::place_window()
     arms_.push_back(half);
   }
   local_rows_.assign(static_cast<std::size_t>(window_size_), -1);
-  for (std::size_t k = 0; k < sites_.size(); ++k)
-    local_rows_[static_cast<std::size_t>(at(where_.active.site(sites_[k])))] = first_row_ + static_cast<Index>(k);
+  for_each_own([&](std::size_t k, const Site<Dim>& site) {
+    local_rows_[static_cast<std::size_t>(at(site))] = first_row_ + static_cast<Index>(k);
+  });
 }
 
 template <int Dim> bool LatticePart<Dim>::in_window(const Site<Dim>& site) const
@@ -86,56 +87,105 @@ template <int Dim> void LatticePart<Dim>::write_bond_words()
   for (std::size_t p = 0; p < planes(); ++p) words_[p].assign(static_cast<std::size_t>(window_size_), 0);
   std::array<std::uint64_t, 2> all{0, 0};
   for (std::size_t h = 0; h < arms_.size(); ++h) all[h / 64] |= std::uint64_t{1} << (h % 64);
-  const auto write = [&](const Site<Dim>& site, std::size_t position) {
-    const bool inner = deep_.has(site);
-    for (std::size_t p = 0; inner && p < planes(); ++p) words_[p][position] = all[p];
-    if (inner || !where_.active.has(site)) return;
-    for (std::size_t h = 0; h < arms_.size(); ++h)
-      if (begins(site, h)) words_[h / 64][position] |= std::uint64_t{1} << (h % 64);
-  };
   Site<Dim> site = lower_;
-  for (std::ptrdiff_t k = 0; k + kWindowPadding < window_size_; ++k) {
-    write(site, static_cast<std::size_t>(k));
-    for (std::size_t d = 0; d < Dim; ++d) {
-      if (++site[d] < lower_[d] + extent_[d]) break;
-      site[d] = lower_[d];
+  for (std::ptrdiff_t k = 0; k + kWindowPadding < window_size_;) {
+    Index count = 1;
+    if (deep_.has(site)) {
+      count = std::min(deep_.end_of_run(site), lower_[0] + extent_[0]) - site[0];
+      for (std::size_t p = 0; p < planes(); ++p) std::fill_n(words_[p].begin() + k, count, all[p]);
+    } else if (where_.active.has(site))
+      for (std::size_t h = 0; h < arms_.size(); ++h)
+        if (begins(site, h)) words_[h / 64][static_cast<std::size_t>(k)] |= std::uint64_t{1} << (h % 64);
+    k += count;
+    go_on(site, count);
+  }
+}
+
+/// To the site so many places on in the window, at most the next row's first.
+template <int Dim> void LatticePart<Dim>::go_on(Site<Dim>& site, Index count) const
+{
+  site[0] += count;
+  for (std::size_t d = 0; d + 1 < Dim && site[d] >= lower_[d] + extent_[d]; ++d) {
+    site[d] = lower_[d];
+    ++site[d + 1];
+  }
+}
+
+/// 1 for the sites of the window that have 1 up to a bond's reach away in every direction.
+template <int Dim> std::vector<std::uint8_t> LatticePart<Dim>::surrounded(std::vector<std::uint8_t> sites) const
+{
+  const auto size = static_cast<std::ptrdiff_t>(sites.size());
+  for (std::size_t d = 0; d < Dim; ++d) {
+    const std::vector<std::uint8_t> before = sites;
+    for (Index k = 1; k <= stencil_.reach; ++k) {
+      const std::ptrdiff_t shift = std::min(size, k * stride_[d]);
+      for (std::ptrdiff_t i = 0; i < shift; ++i) sites[static_cast<std::size_t>(i)] = 0;
+      for (std::ptrdiff_t i = size - shift; i < size; ++i) sites[static_cast<std::size_t>(i)] = 0;
+      std::uint8_t* const of = sites.data();
+      for (std::ptrdiff_t i = shift; i < size - shift; ++i)
+        of[i] = static_cast<std::uint8_t>(of[i] & before[static_cast<std::size_t>(i - shift)] &
+                                          before[static_cast<std::size_t>(i + shift)]);
     }
   }
+  return sites;
 }
 
 /// Sites whose bonds have the same factors are of one class; class 0 has the factor 1 throughout.
 template <int Dim> void LatticePart<Dim>::write_classes()
 {
-  const BondFactors<Dim> factors = correction_({where_.lattice, lower_, extent_, &where_.active});
+  factors_known_ = correction_({where_.lattice, lower_, extent_, &where_.active});
+  const BondFactors<Dim>& factors = factors_known_;
   std::map<std::vector<double>, std::uint16_t> known{{std::vector<double>(arms_.size(), 1.0), 0}};
   classes_.assign(static_cast<std::size_t>(window_size_), 0);
   std::vector<double> here(arms_.size());
   Site<Dim> site = lower_;
-  for (std::ptrdiff_t k = 0; k + kWindowPadding < window_size_; ++k) {
-    if (where_.active.has(site) && factors.any(site)) {
+  for (std::ptrdiff_t k = 0; k + kWindowPadding < window_size_;) {
+    const Index plain = std::min(factors.end_of_plain(site), lower_[0] + extent_[0]) - site[0];
+    if (plain == 0 && where_.active.has(site)) {
       for (std::size_t h = 0; h < arms_.size(); ++h) here[h] = has_bond(k, h) ? factors.of(site, h) : 1.0;
       const auto number = static_cast<std::uint16_t>(known.size());
       if (known.size() > std::numeric_limits<std::uint16_t>::max())
         throw std::logic_error("more classes of corrected bonds than 65536");
       classes_[static_cast<std::size_t>(k)] = known.try_emplace(here, number).first->second;
     }
-    for (std::size_t d = 0; d < Dim; ++d) {
-      if (++site[d] < lower_[d] + extent_[d]) break;
-      site[d] = lower_[d];
-    }
+    k += std::max(plain, 1);
+    go_on(site, std::max(plain, 1));
   }
   if (known.size() == 1) return classes_.clear();
   factors_.resize(known.size() * arms_.size());
   for (const auto& [values, number] : known) std::ranges::copy(values, factors_.begin() + number * arms_.size());
 }
 
+template <int Dim> BondFactors<Dim> LatticePart<Dim>::take_factors(const Site<Dim>& lower, const Site<Dim>& extent)
+{
+  if (!correction_) return {};
+  bool known = static_cast<bool>(factors_known_.of);
+  for (std::size_t d = 0; d < Dim; ++d)
+    known = known && lower[d] >= lower_[d] && lower[d] + extent[d] <= lower_[d] + extent_[d];
+  if (known) return std::exchange(factors_known_, {});
+  return correction_({where_.lattice, lower, extent, &where_.active});
+}
+
+template <int Dim> std::vector<std::uint64_t> LatticePart<Dim>::gone() const
+{
+  std::vector<std::uint64_t> words(2 * sites_.size(), 0);
+  for (const Run& run : segments_)
+    for (Index k = 0; k < run.length; ++k)
+      if (traits_[static_cast<std::size_t>(run.at + k)] & kLost)
+        std::ranges::copy(gone_of(run.row - first_row_ + k),
+                          words.begin() + 2 * (std::ptrdiff_t{run.row} - first_row_ + k));
+  return words;
+}
+
 template <int Dim> void LatticePart<Dim>::collect_halo()
 {
-  std::vector<std::uint8_t> seen(static_cast<std::size_t>(window_size_), 0);
+  std::vector<std::uint8_t> seen(static_cast<std::size_t>(window_size_), 0), own(seen);
+  for (std::size_t i = 0; i < own.size(); ++i) own[i] = local_rows_[i] >= 0;
+  own = surrounded(std::move(own));
   std::vector<Index> wanted;
-  for (std::size_t k = 0; k < sites_.size(); ++k) {
-    const Site<Dim> site = where_.active.site(sites_[k]);
+  for_each_own([&](std::size_t, const Site<Dim>& site) {
     const std::ptrdiff_t i = at(site);
+    if (own[static_cast<std::size_t>(i)]) return;
     for (std::size_t h = 0; h < arms_.size(); ++h)
       for (const Index sign : {1, -1}) {
         const std::ptrdiff_t j = i + sign * arms_[h].jump;
@@ -146,7 +196,7 @@ template <int Dim> void LatticePart<Dim>::collect_halo()
         wanted.push_back(number(other));
         halo_at_.push_back(j);
       }
-  }
+  });
   halo_rows_ = directory_.rows(wanted);
   PetscLayout layout = nullptr;
   PDX_CALL(PetscLayoutCreateFromSizes(rows_.comm, rows_.owned(), rows_.total, 1, &layout));

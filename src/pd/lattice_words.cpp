@@ -28,31 +28,45 @@ void split_runs(std::span<const Run> segments, const std::uint8_t* traits, std::
 }
 } // namespace
 
-/// Looks at every bond; afterwards only losses change traits.
+/// Looks at every bond near a border; afterwards only losses change traits.
 template <int Dim> void LatticePart<Dim>::find_traits()
 {
-  traits_.assign(static_cast<std::size_t>(window_size_), 0);
-  for (std::size_t k = 0; k < sites_.size(); ++k) {
-    const std::ptrdiff_t i = at(where_.active.site(sites_[k]));
+  const auto size = static_cast<std::size_t>(window_size_);
+  traits_.assign(size, 0);
+  std::array<std::uint64_t, 2> all{0, 0};
+  for (std::size_t h = 0; h < arms_.size(); ++h) all[h / 64] |= std::uint64_t{1} << (h % 64);
+  std::vector<std::uint8_t> bulk(size, 1); // all bonds that start there, without factors
+  for (std::size_t p = 0; p < planes(); ++p)
+    for (std::size_t i = 0; i < size; ++i) bulk[i] &= words_[p][i] == all[p];
+  for (std::size_t i = 0; i < classes_.size(); ++i) bulk[i] &= classes_[i] == 0;
+  bulk = surrounded(std::move(bulk));
+  for_each_own([&](std::size_t k, const Site<Dim>& site) {
+    const std::ptrdiff_t i = at(site);
     const Index row = first_row_ + static_cast<Index>(k);
-    std::uint8_t traits = kOwned | kPlain | kComplete;
-    for (std::size_t h = 0; h < arms_.size(); ++h)
-      for (const Index sign : {1, -1}) {
-        const std::ptrdiff_t j = i + sign * arms_[h].jump;
-        const bool there = has_bond(sign > 0 ? i : j, h);
-        if (!there) traits &= static_cast<std::uint8_t>(~kComplete);
-        // The linear kernel takes bonds that never were for bonds to u = 0: not where a particle is.
-        if (!there && !where_.active.is_box() && where_.active.has(site_at(j)))
-          traits &= static_cast<std::uint8_t>(~kPlain);
-        if (there && surface_factor(sign > 0 ? i : j, h) != 1.0) traits &= static_cast<std::uint8_t>(~kPlain);
-      }
-    traits_[static_cast<std::size_t>(i)] = traits;
+    traits_[static_cast<std::size_t>(i)] = bulk[static_cast<std::size_t>(i)] ? kOwned | kPlain | kComplete : traits(i);
     const bool on = !segments_.empty() && segments_.back().at + segments_.back().length == i;
     if (on)
       ++segments_.back().length;
     else
       segments_.push_back({i, row, 1, RunKind::whole});
-  }
+  });
+}
+
+/// Of an owned particle, as its bonds say.
+template <int Dim> std::uint8_t LatticePart<Dim>::traits(std::ptrdiff_t i) const
+{
+  std::uint8_t found = kOwned | kPlain | kComplete;
+  for (std::size_t h = 0; h < arms_.size(); ++h)
+    for (const Index sign : {1, -1}) {
+      const std::ptrdiff_t j = i + sign * arms_[h].jump;
+      const bool there = has_bond(sign > 0 ? i : j, h);
+      if (!there) found &= static_cast<std::uint8_t>(~kComplete);
+      // The linear kernel takes bonds that never were for bonds to u = 0: not where a particle is.
+      if (!there && !where_.active.is_box() && where_.active.has(site_at(j)))
+        found &= static_cast<std::uint8_t>(~kPlain);
+      if (there && surface_factor(sign > 0 ? i : j, h) != 1.0) found &= static_cast<std::uint8_t>(~kPlain);
+    }
+  return found;
 }
 
 template <int Dim> void LatticePart<Dim>::make_runs() const
@@ -227,9 +241,9 @@ template <int Dim> Site<Dim> LatticePart<Dim>::site_at(std::ptrdiff_t at) const
   return site;
 }
 
-template <int Dim> std::vector<Index> LatticePart<Dim>::word_sites() const
+template <int Dim> std::vector<Index> LatticePart<Dim>::halo_sites() const
 {
-  std::vector<Index> numbers = sites_;
+  std::vector<Index> numbers;
   for (const std::ptrdiff_t i : halo_at_) numbers.push_back(number(site_at(i)));
   return numbers;
 }
@@ -313,8 +327,11 @@ template <int Dim> const std::vector<double>& LatticePart<Dim>::bonded_volume_no
 {
   std::vector<Run> runs;
   if (now_volume_.empty()) {
-    now_volume_.assign(sites_.size(), 0.0);
-    runs = segments_;
+    double complete = 0.0; // as the kernel sums it up
+    for (const Arm<Dim>& arm : stencil_.half) complete += arm.volume_share * stencil_.volume() * 2.0;
+    now_volume_.assign(sites_.size(), complete);
+    split_runs(segments_, traits_.data(), kComplete | kLost, kComplete, runs);
+    std::erase_if(runs, [](const Run& run) { return run.kind == RunKind::whole; });
   } else {
     std::ranges::sort(thinned_);
     thinned_.erase(std::unique(thinned_.begin(), thinned_.end()), thinned_.end());
@@ -368,7 +385,7 @@ template <int Dim> void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolu
   template void LatticePart<Dim>::save();                                                                              \
   template void LatticePart<Dim>::restore();                                                                           \
   template std::array<std::uint64_t, 2> LatticePart<Dim>::words_of(Index) const;                                       \
-  template std::vector<Index> LatticePart<Dim>::word_sites() const;                                                    \
+  template std::vector<Index> LatticePart<Dim>::halo_sites() const;                                                    \
   template std::array<std::uint64_t, 2> LatticePart<Dim>::gone_of(Index) const;                                        \
   template void LatticePart<Dim>::set_gone(std::span<const std::uint64_t>);                                            \
   template void LatticePart<Dim>::set_gone(std::span<const LatticePart<Dim>::BondAt>);                                 \

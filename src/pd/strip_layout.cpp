@@ -147,6 +147,7 @@ template <int Dim> void StripPart<Dim>::lay_factors()
   classes_.resize(static_cast<std::size_t>(vectors_));
   for (std::size_t v = 0; v < classes_.size(); ++v) {
     const auto first = lanes.begin() + static_cast<std::ptrdiff_t>(v * width);
+    if (std::all_of(first, first + lanes_, [](std::uint16_t of) { return of == 0; })) continue; // of class 0
     if (known.size() > std::numeric_limits<std::uint16_t>::max())
       throw std::logic_error("more classes of corrected bonds in lane strips than 65536");
     classes_[v] = known.try_emplace({first, first + lanes_}, static_cast<std::uint16_t>(known.size())).first->second;

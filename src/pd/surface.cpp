@@ -34,18 +34,32 @@ public:
     return true;
   }
   T& operator[](const Site<Dim>& site) { return values_[place(site)]; }
-  T at(const Site<Dim>& site) const { return holds(site) ? values_[place(site)] : initial_; }
-  template <class Visit> void for_each(Visit&& visit)
+  const Site<Dim>& lower() const { return lower_; }
+  const Site<Dim>& extent() const { return extent_; }
+  /// Within the box.
+  void fill(T value) { std::ranges::fill(values_, value); }
+  /// Of each site and those up to `width` away in every direction, what all have, bit by bit; outside the box all is
+  /// set.
+  SiteMap common(Index width) const
   {
-    Site<Dim> site = lower_;
-    for (T& value : values_) {
-      visit(site, value);
-      for (std::size_t d = 0; d < Dim; ++d) {
-        if (++site[d] < lower_[d] + extent_[d]) break;
-        site[d] = lower_[d];
+    SiteMap result = *this;
+    std::size_t stride = 1;
+    for (std::size_t d = 0; d < Dim; ++d) {
+      const std::vector<T> before = result.values_;
+      const std::size_t line = stride * static_cast<std::size_t>(extent_[d]);
+      for (Index k = 1; k <= std::min(width, extent_[d] - 1); ++k) {
+        const std::size_t shift = static_cast<std::size_t>(k) * stride;
+        for (std::size_t first = 0; first < before.size(); first += line)
+          for (std::size_t i = first; i + shift < first + line; ++i) {
+            result.values_[i] &= before[i + shift];
+            result.values_[i + shift] &= before[i];
+          }
       }
+      stride = line;
     }
+    return result;
   }
+  T at(const Site<Dim>& site) const { return holds(site) ? values_[place(site)] : initial_; }
 
 private:
   std::size_t place(const Site<Dim>& site) const
@@ -60,6 +74,45 @@ private:
   std::vector<T> values_;
 };
 
+/// Sites along x from which no side is near: neither the border of a set nor a crack.
+class FarRuns {
+public:
+  /// @param far  sites far from the border   @param reach  of cracks, in spacings
+  FarRuns(geom::SiteSet<2> far, const geom::Lattice<2>& lattice, const crack::CrackSet* cracks, Index reach)
+      : far_(std::move(far)), lattice_(lattice), cracks_(cracks && !cracks->empty() ? cracks : nullptr), reach_(reach)
+  {}
+  bool has(const Site<2>& site) const { return far_.has(site) && !beside_crack(site); }
+  bool beside_crack(const Site<2>& site) const
+  {
+    return cracks_ && cracks_->near(lattice_.point(site), reach_ * lattice_.dx);
+  }
+  /// x after the run that begins at a site, its own where that is not far.
+  Index end(Site<2> site) const
+  {
+    if (!far_.has(site)) return site[0];
+    const Index end = far_.end_of_run(site);
+    while (cracks_ && site[0] < end) {
+      constexpr Index chunk = 32;
+      const Index length = std::min(chunk, end - site[0]);
+      Vector<2> middle = lattice_.point(site);
+      middle[0] += 0.5 * (length - 1) * lattice_.dx;
+      if (!cracks_->near(middle, (reach_ + 0.5 * length) * lattice_.dx)) {
+        site[0] += length;
+        continue;
+      }
+      for (Index k = 0; k < length; ++k, ++site[0])
+        if (!has(site)) return site[0];
+    }
+    return end;
+  }
+
+private:
+  geom::SiteSet<2> far_;
+  geom::Lattice<2> lattice_;
+  const crack::CrackSet* cracks_;
+  Index reach_;
+};
+
 /// Rows from a window's sites to the free sides around them.
 class Sides {
 public:
@@ -67,23 +120,43 @@ public:
   static constexpr std::size_t kWays = 4;
 
   Sides(const Exists<2>& exists, const crack::CrackSet* cracks, int reach, const WindowSites<2>& window)
-      : reach_(static_cast<std::uint8_t>(reach)), lattice_(window.lattice), deep_(window.sites().eroded(reach)),
-        cracks_(cracks),
+      : reach_(static_cast<std::uint8_t>(reach)), lattice_(window.lattice),
+        inside_(window.sites().eroded(reach), window.lattice, cracks, reach + 1), cracks_(cracks),
         there_(window.lower, window.extent, 2 * reach, 0), depth_{Map(window.lower, window.extent, 2 * reach, reach_),
                                                                   Map(window.lower, window.extent, 2 * reach, reach_),
                                                                   Map(window.lower, window.extent, 2 * reach, reach_),
                                                                   Map(window.lower, window.extent, 2 * reach, reach_)},
-        straight_(depth_)
+        straight_(depth_), beside_(window.lower, window.extent, 2 * reach, 0), bonded_(beside_)
   {
-    there_.for_each([&](const Site<2>& site, std::uint8_t& there) { there = inside(site) || exists(site); });
+    std::vector<Site<2>> near = sites_near_border();
+    there_.fill(1);
+    for (const Site<2>& site : near) there_[site] = exists(site);
+    const Map amid = there_.common(reach);
+    std::erase_if(near, [&](const Site<2>& site) { return amid.at(site) && !inside_.beside_crack(site); });
     for (std::size_t way = 0; way < kWays; ++way) {
-      depth_[way].for_each([&](const Site<2>& site, std::uint8_t& depth) { depth = look(site, way); });
-      straight_[way].for_each([&](const Site<2>& site, std::uint8_t& depth) { depth = straighten(site, way); });
+      for (const Site<2>& site : near) depth_[way][site] = look(site, way);
+      for (const Site<2>& site : near) {
+        straight_[way][site] = straighten(site, way);
+        if (straight_[way].at(site) < reach_) beside_[site] = 1;
+      }
     }
+    for (const Site<2>& site : near)
+      if (beside_.at(site)) mark_around(site);
   }
 
   /// Rows between the site and the straight side that way, `reach` where there is none so near.
   int rows(const Site<2>& site, std::size_t way) const { return straight_[way].at(site); }
+  /// Is any straight side nearer than a reach?
+  bool beside(const Site<2>& site) const { return beside_.at(site); }
+  /// May the site have a bond that begins or ends beside a side?
+  bool bonded(const Site<2>& site) const { return bonded_.at(site); }
+  /// x after the sites that have none, from this one on.
+  Index end_of_plain(Site<2> site) const
+  {
+    const Index end = bonded_.lower()[0] + bonded_.extent()[0];
+    while (site[0] < end && !bonded_.at(site)) ++site[0];
+    return site[0];
+  }
 
 private:
   using Map = SiteMap<2, std::uint8_t>;
@@ -100,15 +173,33 @@ private:
     return !cracks_->near(x, lattice_.dx) || !cracks_->cuts(x, lattice_.point(next));
   }
 
-  /// Is the site so far inside that no side is near?
-  bool inside(const Site<2>& site) const
+  void mark_around(const Site<2>& site)
   {
-    return deep_.has(site) && (!cracks_ || !cracks_->near(lattice_.point(site), (reach_ + 1) * lattice_.dx));
+    for (Site<2> at{0, site[1] - reach_}; at[1] <= site[1] + reach_; ++at[1])
+      for (at[0] = site[0] - reach_; at[0] <= site[0] + reach_; ++at[0])
+        if (bonded_.holds(at)) bonded_[at] = 1;
+  }
+
+  /// All but those so far inside that no side is near.
+  std::vector<Site<2>> sites_near_border() const
+  {
+    std::vector<Site<2>> near;
+    const Site<2>&lower = there_.lower(), &extent = there_.extent();
+    for (Site<2> site{0, lower[1]}; site[1] < lower[1] + extent[1]; ++site[1])
+      for (site[0] = lower[0]; site[0] < lower[0] + extent[0];) {
+        const Index end = inside_.end(site);
+        if (end == site[0]) {
+          near.push_back(site);
+          ++site[0];
+        }
+        site[0] = std::max(site[0], end);
+      }
+    return near;
   }
 
   std::uint8_t look(Site<2> site, std::size_t way) const
   {
-    if (inside(site) || !there_.at(site)) return reach_;
+    if (!there_.at(site)) return reach_;
     for (std::uint8_t rows = 0; rows < reach_; ++rows, site = shifted<2>(site, step(way), 1))
       if (!open(site, way)) return rows;
     return reach_;
@@ -130,10 +221,11 @@ private:
 
   std::uint8_t reach_;
   geom::Lattice<2> lattice_;
-  geom::SiteSet<2> deep_;
+  FarRuns inside_;
   const crack::CrackSet* cracks_;
   Map there_;
   std::array<Map, kWays> depth_, straight_;
+  Map beside_, bonded_;
 };
 
 /// The factor that the sides on one way give to the bond from i to j, which spans `across` rows that way. Ends in one
@@ -201,9 +293,9 @@ template <int Dim> SurfaceCorrection<Dim> correct_volumes(Stencil<Dim> stencil, 
     const auto shares = std::make_shared<Shares<Dim>>(*shared, exists, window);
     BondFactors<Dim> factors;
     factors.of = [shared, shares](const Site<Dim>& lower, std::size_t arm) { return shares->factor(lower, arm); };
-    factors.any = [far = window.sites().eroded(family_reach(*shared) + shared->reach)](const Site<Dim>& lower) {
-      return !far.has(lower);
-    };
+    const geom::SiteSet<Dim> far = window.sites().eroded(family_reach(*shared) + shared->reach);
+    factors.any = [far](const Site<Dim>& lower) { return !far.has(lower); };
+    factors.end_of_plain = [far](const Site<Dim>& lower) { return far.has(lower) ? far.end_of_run(lower) : lower[0]; };
     return factors;
   };
 }
@@ -219,15 +311,14 @@ SurfaceCorrection<2> correct_sides(Stencil<2> stencil, SideWeights weights, Exis
     factors.of = [sides, weights, arms = stencil.half](const Site<2>& lower, std::size_t arm) {
       const Site<2>& step = arms[arm].step;
       const Site<2> upper = shifted<2>(lower, step, 1);
+      if (!sides->beside(lower) && !sides->beside(upper)) return 1.0;
       const int dx = std::abs(step[0]), dy = step[1];
       const Site<2>&left = step[0] < 0 ? upper : lower, &right = step[0] < 0 ? lower : upper;
       return towards(weights, *sides, 0, lower, upper, dx, dy) * towards(weights, *sides, 1, upper, lower, dx, dy) *
              towards(weights, *sides, 2, left, right, dy, dx) * towards(weights, *sides, 3, right, left, dy, dx);
     };
-    const Index width = 2 * stencil.reach;
-    factors.any = [lattice = window.lattice, far = window.sites().eroded(width), cracks, width](const Site<2>& lower) {
-      return !far.has(lower) || (cracks && cracks->near(lattice.point(lower), (width + 1) * lattice.dx));
-    };
+    factors.any = [sides](const Site<2>& lower) { return sides->bonded(lower); };
+    factors.end_of_plain = [sides](const Site<2>& lower) { return sides->end_of_plain(lower); };
     return factors;
   };
 }

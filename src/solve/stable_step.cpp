@@ -26,22 +26,39 @@ std::vector<std::uint8_t> tied_held(const field::System& system)
 }
 
 /// Largest eigenvalue of the symmetric block over the components that are not held.
-template <int Dim> double largest_free(const double* block, const std::uint8_t* held)
+template <int Dim> double largest_free(const Tensor<Dim>& free)
 {
-  Tensor<Dim> free;
-  for (int a = 0; a < Dim; ++a)
-    for (int b = 0; b < Dim; ++b) free(a, b) = held[a] || held[b] ? 0.0 : block[a * Dim + b];
   return Eigen::SelfAdjointEigenSolver<Tensor<Dim>>(free, Eigen::EigenvaluesOnly).eigenvalues()[Dim - 1];
+}
+
+/// The same of one row after the other; alike blocks, of which lattices are full, are worked out once.
+template <int Dim>
+void largest_of_rows(std::span<const double> blocks, std::span<const std::uint8_t> held, std::span<double> stiffness)
+{
+  Tensor<Dim> before = Tensor<Dim>::Constant(std::numeric_limits<double>::quiet_NaN());
+  double largest = 0.0;
+  for (std::size_t row = 0; row < stiffness.size(); ++row) {
+    const double* block = blocks.data() + row * Dim * Dim;
+    const std::uint8_t* fixed = held.data() + row * Dim;
+    Tensor<Dim> free;
+    for (int a = 0; a < Dim; ++a)
+      for (int b = 0; b < Dim; ++b) free(a, b) = fixed[a] || fixed[b] ? 0.0 : block[a * Dim + b];
+    if (free != before) largest = largest_free<Dim>(free);
+    before = free;
+    stiffness[row] = largest;
+  }
 }
 
 struct Bounds {
   std::vector<double> mass;      ///< [kg]
   std::vector<double> stiffness; ///< lambda_max(D_i) [N/m]
 
-  double step(std::size_t row) const
+  /// (step / 2)^2 [s^2]
+  double square(std::size_t row) const
   {
-    return stiffness[row] > 0.0 ? 2.0 * std::sqrt(mass[row] / stiffness[row]) : std::numeric_limits<double>::infinity();
+    return stiffness[row] > 0.0 ? mass[row] / stiffness[row] : std::numeric_limits<double>::infinity();
   }
+  double step(std::size_t row) const { return 2.0 * std::sqrt(square(row)); }
 };
 
 Bounds bounds_of(const field::System& system)
@@ -51,11 +68,10 @@ Bounds bounds_of(const field::System& system)
   for (const auto& term : system.terms) term->add_stiffness_bound(blocks);
   const std::vector<std::uint8_t> held = tied_held(system);
   Bounds bounds{lumped_mass(system), std::vector<double>(owned)};
-  for (std::size_t row = 0; row < owned; ++row) {
-    const double* block = blocks.data() + row * dim * dim;
-    const std::uint8_t* fixed = held.data() + row * dim;
-    bounds.stiffness[row] = dim == 2 ? largest_free<2>(block, fixed) : largest_free<3>(block, fixed);
-  }
+  if (dim == 2)
+    largest_of_rows<2>(blocks, held, bounds.stiffness);
+  else
+    largest_of_rows<3>(blocks, held, bounds.stiffness);
   return bounds;
 }
 
@@ -64,8 +80,9 @@ std::vector<StableStep> lowest(const field::System& system, const Bounds& bounds
 {
   std::vector<StableStep> found;
   const auto dim = static_cast<std::size_t>(system.rows.dim);
+  const double square = (1.0 + kAlike) * 0.25 * limit * limit; // roots are taken of few
   for (std::size_t row = 0; row < bounds.mass.size(); ++row) {
-    if (!(bounds.step(row) <= limit)) continue;
+    if (!(bounds.square(row) <= square && bounds.step(row) <= limit)) continue;
     StableStep here{bounds.step(row), system.rows.first + static_cast<PetscInt>(row), {}};
     std::copy_n(system.coordinates.begin() + static_cast<std::ptrdiff_t>(row * dim), dim, here.place.begin());
     if (found.empty() || here.place < found.front().place) found.assign(1, here);
@@ -92,7 +109,8 @@ StableStep stable_step(const field::System& system)
 {
   const Bounds bounds = bounds_of(system);
   double limit = std::numeric_limits<double>::infinity();
-  for (std::size_t row = 0; row < bounds.mass.size(); ++row) limit = std::min(limit, bounds.step(row));
+  for (std::size_t row = 0; row < bounds.mass.size(); ++row) limit = std::min(limit, bounds.square(row));
+  limit = 2.0 * std::sqrt(limit);
   MPI_Allreduce(MPI_IN_PLACE, &limit, 1, MPI_DOUBLE, MPI_MIN, system.rows.comm);
   if (std::isinf(limit)) return {limit, -1, {}};
   const auto all = gather_all(system.rows.comm, lowest(system, bounds, limit * (1.0 + kAlike)));

@@ -93,13 +93,13 @@ public:
   explicit Scene(app::SceneOptions options, bool assembled = false, MPI_Comm comm = PETSC_COMM_WORLD)
       : options_(std::move(options)), points_(options_.mixed() ? app::settle_mixed(comm, options_) : nullptr),
         mesh_options_(options_.mesh), plan_(app::plan_patches(options_, mesh_options_)),
-        mesh_(mesh::build(comm, mesh_options_, app::cell_cost(plan_))), swarm_(comm), assembled_(assembled)
+        mesh_(mesh::build(comm, mesh_options_, app::cell_cost(plan_))), assembled_(assembled)
   {
     if (points_) app::deal_cells(*points_, mesh_);
     std::vector<pd::Particle> particles;
     if (options_.pd.any()) {
       app::cover_cells(mesh_, plan_, mesh_options_);
-      particles = app::make_particles(mesh_, plan_, swarm_);
+      particles = app::make_particles(mesh_, plan_);
     }
     d_ = app::discretise(mesh_, options_, plan_, std::move(particles), assembled, points_.get());
   }
@@ -243,7 +243,6 @@ private:
   mesh::MeshOptions mesh_options_;
   app::PatchPlan plan_;
   mesh::Mesh mesh_;
-  pd::Particles swarm_;
   bool assembled_;
   std::unique_ptr<app::Discretisation> d_;
   solve::StaticReport report_;

@@ -53,8 +53,14 @@ struct Misfit {
 /// The way of a state to a scene, which may have other ranks and another layout. All methods are collective.
 class StateMove {
 public:
-  /// Both must outlive this. @param changed the layout is not the one of the state
-  StateMove(const NamedState& state, const Standing& scene, bool changed = false);
+  /// Where a state comes from.
+  enum class From {
+    file,    ///< as may be, of any ranks
+    same,    ///< this run, under the same layout
+    changed, ///< this run, under another layout
+  };
+  /// Both must outlive this.
+  StateMove(const NamedState& state, const Standing& scene, From from = From::file);
   const Misfit& misfit() const { return misfit_; } ///< nothing below may be asked for what does not fit
 
   /// 1 for each of the scene's rows that comes from behind the first so many of the state's on its rank, else 0.
@@ -75,6 +81,14 @@ public:
   void require_fit() const;
 
 private:
+  /// Particles of all that lost bonds: few, where all have names.
+  struct Torn {
+    std::vector<field::RowName> names;
+    std::vector<std::uint64_t> gone;
+    /// Of any particles. Collective.
+    std::vector<std::uint64_t> words_of(MPI_Comm comm, std::span<const field::RowName> wanted, int width) const;
+  };
+  Torn torn_particles() const;
   Misfit misfit_of() const;
   void break_joined() const;
   std::vector<std::uint64_t> broken_carried() const;

@@ -37,5 +37,5 @@ void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOption
                  const geom::Frame& frame = {});
 
 /// The particles in the covered cells this rank owns, by patch and site. Collective.
-std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan& plan, pd::Particles& swarm);
+std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan& plan);
 } // namespace pdx::app

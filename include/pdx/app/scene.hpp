@@ -13,7 +13,6 @@ struct Ground {
   mesh::MeshOptions mesh_options;
   PatchPlan plan;
   mesh::Mesh mesh;
-  pd::Particles swarm;
   std::vector<pd::Particle> particles;        ///< none before `lay_particles`
   std::shared_ptr<const PointPlan<2>> points; ///< null without bodies of material points
 

@@ -18,6 +18,8 @@ public:
   bool is_watched(std::size_t k) const;
 
 private:
+  void add_particles();
+
   Standing scene_;
   std::vector<field::RowName> rows_;
 };

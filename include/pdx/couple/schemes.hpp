@@ -33,6 +33,14 @@ pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stenci
 std::optional<pd::LatticePart<2>::BondAt> lattice_bond(std::uint64_t key, const geom::SiteNames& names,
                                                        const pd::Stencil<2>& stencil);
 
+/// A bond of a lattice: its lower end as `geom::SiteNames` calls it, and its half arm.
+struct BondName {
+  std::uint64_t lower;
+  std::size_t arm;
+};
+/// The same of a key that is known to be of this lattice.
+BondName bond_name(std::uint64_t key, const geom::SiteNames& names, const pd::Stencil<2>& stencil);
+
 /// The carried bonds of all patches that touch a row of this rank. Collective.
 /// Throws UserError if a patch lies so near to another that its ghosts find no element.
 std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const CouplingOptions& options,

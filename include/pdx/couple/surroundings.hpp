@@ -45,9 +45,10 @@ public:
   /// Surveys all patches at once. `band` = sites outside a patch that are looked at. Collective.
   /// @param sets  the mesh's enriched sets, numbered, or nullptr without cracks; must outlive the result
   /// @param seams where the mesh is parted, or nullptr; must outlive the result
+  /// @param hosts shall `element_host` know what holds the sites outside?
   static std::vector<Surroundings> survey(const mesh::Mesh& mesh, std::span<const PatchShape> patches, Index band,
                                           std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets,
-                                          const crack::CrackSet* seams = nullptr);
+                                          const crack::CrackSet* seams = nullptr, bool hosts = true);
 
   const PatchShape& shape() const { return shape_; }
   Index band() const { return band_; }
@@ -58,7 +59,7 @@ public:
   /// True for a site outside the patch, in the body or not, that is reached through elements only: on every side of
   /// the patch in the band that it lies beyond there are elements, opposite or at the corner next to it.
   bool behind_elements(const Site<2>& site) const;
-  /// The element that holds an outside site; count = 0 if no plain cell does.
+  /// The element that holds an outside site; count = 0 if no plain cell does, or hosts were not asked for.
   const Host& element_host(const Site<2>& site) const;
   /// What carries the point x in which a bond meets the border of the patch: the nodes of the mesh edges there. Where
   /// lattice cells and edges do not match, the trace of the edges is averaged over the lattice cell along the side.
@@ -95,9 +96,11 @@ private:
     std::array<bool, 2> free_end{}; // the body ends where the side does, at its lower and upper end
     Index cells() const { return line.to - line.from; }
   };
-  struct OutsideRecord {
+  struct OutsideSite {
     int patch;
     Site<2> site;
+  };
+  struct OutsideRecord : OutsideSite {
     Host host;
   };
   struct EdgeRecord {
@@ -108,11 +111,11 @@ private:
   std::size_t position(const Site<2>& site) const;
   void find_free_ends();
   static std::array<double, 2> zone_of(const Side& side, double cell, Index zone);
-  std::optional<Host> host_on(const Side& side, const Vector<2>& x, const Vector<2>& inward, Index zone) const;
+  bool host_on(const Side& side, const Vector<2>& x, const Vector<2>& inward, Index zone, Host& host) const;
   int side_of(const Vector<2>& a, const Vector<2>& b) const;
   bool in_band(const Site<2>& site) const;
   static Edge edge_of(const ElementView& scene, Index behind, std::array<Index, 2> vertices, Eigen::Index along);
-  static void find_outside(const ElementView&, std::span<const Surroundings>, std::vector<OutsideRecord>&);
+  static void find_outside(const ElementView&, std::span<const Surroundings>, bool hosts, std::vector<OutsideRecord>&);
   static void find_edges(const ElementView&, std::span<const Surroundings>, std::vector<EdgeRecord>&);
 
   PatchShape shape_;

@@ -57,6 +57,18 @@ bool runs_inside(const SiteSet<Dim>& set, const Site<Dim>& from, std::span<const
   return true;
 }
 
+/// Does the line come into the cells of a set on its way, from outside?
+template <int Dim> bool comes_in(const SiteSet<Dim>& set, const Site<Dim>& from, std::span<const LinePiece<Dim>> line)
+{
+  bool in = set.has(from);
+  for (const LinePiece<Dim>& piece : line.subspan(1)) {
+    const bool here = set.has(cell_at<Dim>(from, piece));
+    if (here && !in) return true;
+    in = here;
+  }
+  return false;
+}
+
 /// A part of a line in the cells of a set: from one border to another, or from or to its end.
 struct PartInside {
   Clip clip;

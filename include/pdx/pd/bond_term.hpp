@@ -61,7 +61,7 @@ public:
   {
     ++revision_;
     parts_[part]->set_gone(std::span(bonds));
-    take_over_words();
+    if (!strips_.empty()) strips_[part]->take_over_words();
   }
   void save();
   void restore();             ///< needs a `save` before

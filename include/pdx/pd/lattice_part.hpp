@@ -86,6 +86,9 @@ public:
   std::span<const Run> linear_runs() const { return fresh(linear_runs_); }
   /// How bonds near free surfaces are corrected, those that leave the patch too; may be empty.
   const SurfaceCorrection<Dim>& correction() const { return correction_; }
+  /// The factors of bonds that start in a box of sites; known ones are given away.
+  BondFactors<Dim> take_factors(const Site<Dim>& lower, const Site<Dim>& extent);
+  void forget_factors() { factors_known_ = {}; }
 
   /// Bonds with an end in one of the boxes [m] never break; cracks still cut them. In 3-D boxes reach through.
   void protect(std::span<const geom::Box<2>> boxes);
@@ -111,11 +114,13 @@ public:
   void save();
   void restore();
 
-  /// Sites whose words say which bonds owned particles have: the owned ones, then those of other ranks.
-  std::vector<Index> word_sites() const;
+  /// Sites of other ranks whose words, besides those of `sites`, say which bonds owned particles have.
+  std::vector<Index> halo_sites() const;
   /// Bonds that start at owned particle k and are gone, those that a crack cut included, bit h for half arm h.
   std::array<std::uint64_t, 2> gone_of(Index k) const;
-  /// Breaks the bonds that these words have, two words (`gone_of`) for each of `word_sites`. After `cut`.
+  std::vector<std::uint64_t> gone() const; ///< of all owned particles, two words each
+  /// Breaks the bonds that these words have, two words (`gone_of`) for each of `sites`, then of
+  /// `halo_sites`. After `cut`.
   void set_gone(std::span<const std::uint64_t> words);
   /// A bond by its lower end, whatever holds that.
   struct BondAt {
@@ -144,11 +149,16 @@ private:
   bool in_window(const Site<Dim>& site) const;
   bool has_bond(std::ptrdiff_t at, std::size_t arm) const;
   bool is_own(std::ptrdiff_t at, std::size_t arm) const;
+  /// Calls visit(k, site) for each owned site, in order.
+  template <class Visit> void for_each_own(Visit&& visit) const;
+  void go_on(Site<Dim>& site, Index count) const;
+  std::vector<std::uint8_t> surrounded(std::vector<std::uint8_t> sites) const;
   void place_window();
   void write_bond_words();
   void write_classes();
   void collect_halo();
   void find_traits();
+  std::uint8_t traits(std::ptrdiff_t at) const;
   void make_runs() const;
   const std::vector<Run>& fresh(const std::vector<Run>& runs) const
   {
@@ -205,6 +215,7 @@ private:
   SfHandle halo_sf_;
   mutable std::vector<double> halo_buffer_;
   mutable double waited_ = 0.0;
+  BondFactors<Dim> factors_known_; ///< in the window, until somebody takes them
 };
 
 template <int Dim> std::ptrdiff_t LatticePart<Dim>::at(const Site<Dim>& site) const
@@ -222,6 +233,21 @@ template <int Dim> bool LatticePart<Dim>::has_bond(std::ptrdiff_t at, std::size_
 template <int Dim> double LatticePart<Dim>::surface_factor(std::ptrdiff_t lower, std::size_t arm) const
 {
   return classes_.empty() ? 1.0 : factors_[classes_[static_cast<std::size_t>(lower)] * arms_.size() + arm];
+}
+
+template <int Dim> template <class Visit> void LatticePart<Dim>::for_each_own(Visit&& visit) const
+{
+  Site<Dim> site{};
+  Index end = 0; // of the run that holds the site before
+  for (std::size_t k = 0; k < sites_.size(); ++k) {
+    if (k > 0 && sites_[k] == sites_[k - 1] + 1 && site[0] + 1 < end)
+      ++site[0];
+    else {
+      site = where_.active.site(sites_[k]);
+      end = where_.active.end_of_run(site);
+    }
+    visit(k, std::as_const(site));
+  }
 }
 
 template <int Dim> template <class Visit> void LatticePart<Dim>::for_each_bond(Index k, Visit&& visit) const

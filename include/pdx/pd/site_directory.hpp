@@ -2,8 +2,8 @@
 #include "pdx/field/rows.hpp"
 
 namespace pdx::pd {
-/// Finds the row of any lattice site from any rank: a table over site numbers, spread evenly over the ranks, filled
-/// and asked by PetscSF. Memory per rank is the lattice over the number of ranks.
+/// Finds the row of any lattice site from any rank: a table over site numbers, spread evenly over the ranks. Memory per
+/// rank is the lattice over the number of ranks.
 class SiteDirectory {
 public:
   /// @param sites site numbers this rank owns; their rows follow each other from `first_row` (global). Collective.

@@ -12,6 +12,8 @@ template <int Dim> using Exists = std::function<bool(const Site<Dim>&)>;
 template <int Dim> struct BondFactors {
   /// False where all bonds that start at the site have the factor 1.
   std::function<bool(const Site<Dim>& lower)> any;
+  /// x after the sites along x, from this one on, that have none of `any`.
+  std::function<Index(const Site<Dim>& lower)> end_of_plain;
   /// Of the bond along a half arm from its lower end, which must be in the window; the bond must be there.     [-]
   std::function<double(const Site<Dim>& lower, std::size_t arm)> of;
   /// Rows beside a straight free side in which tension along it is as uniform all in all, force and moment; 0: none.

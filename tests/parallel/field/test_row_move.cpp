@@ -92,3 +92,28 @@ TEST(RowMove, SeesANameThatComesTwice)
   if (rank() == ranks() - 1) from.push_back(name_of(17));
   EXPECT_FALSE(field::RowMove(PETSC_COMM_WORLD, from, {}).unique());
 }
+
+/// Most stay where they are, some change rank, some come, some go.
+TEST(RowMove, FindsWhatIsWantedOnceHereOrElsewhere)
+{
+  for (const unsigned seed : {3u, 4u}) { // the same ranks, and others
+    std::vector<std::uint64_t> before = dealt(3), after = dealt(seed);
+    std::erase_if(before, [](std::uint64_t thing) { return thing % 11 == 0; });
+    std::erase_if(after, [](std::uint64_t thing) { return thing % 7 == 0; });
+    const std::vector<RowName> from = names_of(before), to = names_of(after);
+    const field::RowMove move(PETSC_COMM_WORLD, from, to, field::RowMove::Wanted::once);
+    std::vector<std::uint64_t> words;
+    for (const std::uint64_t thing : before) words.push_back(~thing);
+    const std::vector<std::uint64_t> carried = move.carry(words, 1);
+    std::vector<Index> fresh, left;
+    ASSERT_EQ(carried.size(), after.size());
+    for (std::size_t k = 0; k < after.size(); ++k) {
+      EXPECT_EQ(carried[k], after[k] % 11 ? ~after[k] : 0);
+      if (after[k] % 11 == 0) fresh.push_back(static_cast<Index>(k));
+    }
+    for (std::size_t k = 0; k < before.size(); ++k)
+      if (before[k] % 7 == 0) left.push_back(static_cast<Index>(k));
+    EXPECT_TRUE(std::ranges::equal(move.fresh(), fresh));
+    EXPECT_EQ(move.left_behind(), left);
+  }
+}
