@@ -297,6 +297,7 @@ void RunFiles::say_warning(const std::string& what) const
 void RunFiles::warn(const std::string& what)
 {
   if (what.empty()) return;
+  summary.warnings.push_back(as_one_line(what));
   if (!options.output.warnings_are_errors) return say_warning(what);
   const std::string error = what + " (-warnings_are_errors)";
   if (room_made_) fail(error); // else nothing has been written yet
