@@ -9,39 +9,33 @@ Reads fields.xdmf; from ParaView 5.12 on the files of pdxsolve-vtkhdf instead, w
 import argparse
 import pathlib
 
-from paraview import servermanager, simple
+from paraview import simple
 
 GRID, CUT = (0.75, 0.75, 0.73), (0.95, 0.82, 0.24)
+BLOCKS = ("mesh", "cut_cells", "particles", "points")
 SHARE = 0.05  # of the body's size that the largest displacement is drawn as
 
 
 def sources(run):
-    """A source for each block by its name."""
+    """A source for each block by its name, and the times of all."""
     files = sorted(run.glob("fields_*.vtkhdf"))
-    if files and servermanager.vtkSMProxyManager.GetVersionMajor() * 100 + servermanager.vtkSMProxyManager.GetVersionMinor() >= 512:
-        return {path.stem.removeprefix("fields_"): simple.OpenDataFile(str(path)) for path in files}
-    reader = simple.Xdmf3ReaderT(FileName=[str(run / "fields.xdmf")])
-    reader.UpdatePipelineInformation()
-    return {"all": reader}
+    if files and simple.GetParaViewVersion() >= 5.12:
+        readers = {path.stem.removeprefix("fields_"): simple.OpenDataFile(str(path)) for path in files}
+        return readers, list(next(iter(readers.values())).TimestepValues)
+    reader = simple.XDMFReader(registrationName=run.name, FileNames=[str(run / "fields.xdmf")])
+    reader.UpdatePipeline()
+    found, times = {}, list(reader.TimestepValues)
+    for block in BLOCKS:  # of which the reader gives all that the run has in one
+        names = [block] + [f"{block}{k}" for k in range(1, len(times))]  # the reader numbers them by steps
+        taken = simple.ExtractBlock(registrationName=block, Input=reader, Selectors=[f"/Root/{name}" for name in names])
+        taken.UpdatePipeline(times[-1] if times else 0.0)
+        if taken.GetDataInformation().GetNumberOfPoints() > 0:
+            found[block] = taken
+    return found, times
 
 
 def names_of(source):
     return [source.PointData.GetArray(k).Name for k in range(source.PointData.GetNumberOfArrays())]
-
-
-def leaf_sources(all_sources):
-    """XDMF gives one source with all blocks, of which each is taken out."""
-    if "all" not in all_sources:
-        return all_sources
-    reader = all_sources["all"]
-    reader.UpdatePipeline(reader.TimestepValues[-1] if len(reader.TimestepValues) > 1 else 0.0)
-    info, found = reader.GetDataInformation(), {}
-    for block in ("mesh", "cut_cells", "particles", "points"):
-        taken = simple.ExtractBlock(Input=reader, Selectors=[f"//{block}"])
-        taken.UpdatePipeline()
-        if taken.GetDataInformation().GetNumberOfPoints() > 0:
-            found[block] = taken
-    return found or {"all": reader, "info": info}
 
 
 def field(source, stem):
@@ -92,8 +86,7 @@ def main():
     parser.add_argument("--step", type=int, default=-1, help="number of the step, from 0, or -1 for the last")
     parser.add_argument("--scale", type=float, default=0.0, help="of displacements (default: chosen)")
     options = parser.parse_args()
-    blocks = leaf_sources(sources(options.run.resolve()))
-    times = simple.GetTimeKeeper().TimestepValues
+    blocks, times = sources(options.run.resolve())
     scene = simple.GetAnimationScene()
     scene.UpdateAnimationUsingDataTimeSteps()
     view = simple.GetActiveViewOrCreate("RenderView")

@@ -1,6 +1,6 @@
 """Goes on under the system's python3 where the one that was called lacks what the scripts beside this package need:
-Debian's packages belong to the system's, whatever stands before it on PATH. Of no effect on programs of others, nor on
-an installed package, whose installer saw to its modules."""
+Debian's packages belong to the system's, whatever stands before it on PATH. Of no effect on programs of others.
+"""
 
 import importlib.util
 import os
@@ -13,8 +13,12 @@ TREE = pathlib.Path(__file__).resolve().parents[2]
 
 
 def is_our_script():
+    """One of the tree, or an installed command."""
     path = getattr(sys.modules.get("__main__"), "__file__", None)
-    return path is not None and (TREE / "scripts" / "pdxtools").is_dir() and TREE in pathlib.Path(path).resolve().parents
+    if path is None:
+        return False
+    path = pathlib.Path(path).resolve()
+    return path.name.startswith("pdxsolve-") or ((TREE / "scripts" / "pdxtools").is_dir() and TREE in path.parents)
 
 
 def use_a_python_that_has_them():
