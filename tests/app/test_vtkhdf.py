@@ -50,7 +50,10 @@ class Vtkhdf(program.ProgramTest):
             return len(root["Points"])
 
     def test_what_is_shown_is_what_the_run_wrote(self):
-        run = self.solve(COUPLED | FIELDS).directory
+        run = self.solve(COUPLED | FIELDS | {"-output_format": "vtkhdf"}, ranks=2).directory
+        for name in CORNERS:
+            with self.subTest(name):
+                self.assertEqual(self.assert_shown(run, name), len(pdxtools.read_step(run)[1][name].points))
         with h5py.File(run / "fields.h5") as file:
             for block in ("mesh", "cut_cells", "particles"):
                 for table in ("points", "cells", "natural_point", "side" if block == "cut_cells" else "rank"):
@@ -60,6 +63,19 @@ class Vtkhdf(program.ProgramTest):
             for name in CORNERS:
                 with self.subTest(name, words=words):
                     self.assertEqual(self.assert_shown(run, name), len(pdxtools.read_step(run)[1][name].points))
+
+    def test_patches_that_grow_have_all_their_steps(self):
+        options = COUPLED | FIELDS | {"-adapt": "expand", "-crack_notch_points": COUPLED["-crack_notch_points"]}
+        run = self.solve(options | {"-output_format": "vtkhdf"}).directory
+        counts = [len(pdxtools.read_step(run, k)[1]["particles"].points) for k in range(pdxtools.step_count(run))]
+        self.assertGreater(len(set(counts)), 1)
+        for words in (None, ()):
+            if words is not None:
+                self.command("vtkhdf", run, *words)
+            self.assertLessEqual(self.assert_shown(run, "particles"), sum(counts))
+            self.assert_shown(run, "mesh")
+        self.solve(options | {"-output_fields": None, "-output_interval": None}, directory=run)  # results of an earlier run go
+        self.assertEqual(list(run.glob("fields*")), [])
 
     def test_packed_fields_are_the_same_and_a_restart_adds_to_them(self):
         options = TORN | {"-output_fields": "", "-output_interval": "100", "-checkpoint_interval": "200"}

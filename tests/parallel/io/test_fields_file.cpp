@@ -260,7 +260,8 @@ TEST(FieldsFile, WhatStaysAsItWasIsKeptOnce)
   std::vector<OutputBlock> blocks{particles(world, kMany)};
   std::vector<double> size;
   for (const double time : {0.0, 1.0, 2.0}) {
-    if (time == 2.0 && world.rank + 1 == world.size) blocks[0].fields[0].values.back() = -1.0; // one of all, on one rank
+    if (time == 2.0 && world.rank + 1 == world.size)
+      blocks[0].fields[0].values.back() = -1.0; // one of all, on one rank
     file.write(time, blocks);
     MPI_Barrier(PETSC_COMM_WORLD);
     size.push_back(static_cast<double>(std::filesystem::file_size(scratch.path() / "fields.h5")));
