@@ -28,6 +28,7 @@ nav a { margin-right: 14px; color: #2f5f98; }
 .tile b { display: block; font-size: 19px; } .tile span { color: var(--pale); font-size: 13px; }
 .figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(420px, 1fr)); gap: 12px; }
 figure { margin: 0; background: white; border: 1px solid var(--line); border-radius: 6px; padding: 8px; }
+figure.wide { grid-column: 1 / -1; }
 figure svg, figure img { width: 100%; height: auto; display: block; }
 figcaption { color: var(--pale); font-size: 13px; padding: 4px 4px 0; }
 .scroll { overflow-x: auto; }
@@ -113,8 +114,8 @@ def pixel_picture(figure, name):
     return f'<img alt="{text(name)}" src="data:image/png;base64,{base64.b64encode(stream.getvalue()).decode()}">'
 
 
-def captioned(picture, caption=""):
-    return f"<figure>{picture}{f'<figcaption>{text(caption)}</figcaption>' if caption else ''}</figure>"
+def captioned(picture, caption="", wide=False):
+    return f"<figure{' class=wide' * wide}>{picture}{f'<figcaption>{text(caption)}</figcaption>' if caption else ''}</figure>"
 
 
 def page(title, sections):

@@ -106,8 +106,8 @@ def curve_pictures(run):
 
 def picture_of(run, kind, number, name):
     with plt.rc_context(draw.STYLE | {"savefig.dpi": 150}):
-        drawn = draw.Run(run, number)
-        return captioned(pixel_picture(draw.KINDS[kind]([drawn], draw.Look()), name), name)
+        figure = draw.KINDS[kind]([draw.Run(run, number)], draw.Look())
+        return captioned(pixel_picture(figure, name), name, figure.get_figwidth() > 2 * figure.get_figheight())
 
 
 def moment(value, in_time):

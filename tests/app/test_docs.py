@@ -79,6 +79,15 @@ class Docs(program.ProgramTest):
         self.assertEqual(summaries["long"]["status"], "done")
         self.assertTrue((self.scratch / "out" / "snail" / "report.html").exists())
 
+    def test_messages_with_a_remedy_are_messages(self):
+        table = (DOCS / "pages" / "trouble.md").read_text(encoding="utf-8").split("| it says |")[1].split("\n\n")[0]
+        sources = "".join(path.read_text(encoding="utf-8") for path in sorted((program.ROOT / "src").rglob("*.cpp")))
+        sources = re.sub(r'"\s*\n\s*"', "", sources)  # texts go on in the next line
+        said = re.findall(r"(?m)^\| `(.*?)` \|", table)
+        self.assertGreater(len(said), 10)
+        for message in said:
+            self.assertRegex(sources, r"[^\"]*".join(map(re.escape, message.split("…"))))
+
     def test_every_case_has_a_page(self):
         pages = self.build() / "pages"
         for readme in (program.ROOT / "cases").glob("*/README.md"):
