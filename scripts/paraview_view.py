@@ -19,7 +19,8 @@ SHARE = 0.05  # of the body's size that the largest displacement is drawn as
 def sources(run):
     """A source for each block by its name, and the times of all."""
     files = sorted(run.glob("fields_*.vtkhdf"))
-    if files and simple.GetParaViewVersion() >= 5.12:
+    version = simple.GetParaViewVersion()
+    if files and (version.major, version.minor) >= (5, 12):
         readers = {path.stem.removeprefix("fields_"): simple.OpenDataFile(str(path)) for path in files}
         return readers, list(next(iter(readers.values())).TimestepValues)
     reader = simple.XDMFReader(registrationName=run.name, FileNames=[str(run / "fields.xdmf")])
@@ -68,7 +69,7 @@ def show(source, block, scale, view):
     look = simple.Show(moved, view)
     if block in ("mesh", "cut_cells"):
         look.Representation = "Surface With Edges" if block == "cut_cells" else "Wireframe"
-        simple.ColorBy(look, None)
+        look.ColorArrayName = ["POINTS", ""]  # one colour
         look.AmbientColor = look.DiffuseColor = CUT if block == "cut_cells" else GRID
         return
     look.Representation, look.PointSize = "Points", 3
