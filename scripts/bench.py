@@ -15,7 +15,7 @@ import json
 import pathlib
 import tempfile
 
-import fields
+import pdxtools
 import numpy as np
 from bench_fracture import FractureBench
 from bench_machine import ROOT
@@ -116,7 +116,7 @@ class AllBench(FractureBench, MotionBench, PointBench):
         """Displacement on the grid of 0.5 mm in the body, the clamped edge left out."""
         with tempfile.TemporaryDirectory() as directory:
             self.run(scene + ["-output_fields"], keep=directory)
-            mesh = fields.read_step(directory)[1]["mesh"]
+            mesh = pdxtools.read_step(directory)[1]["mesh"]
         place = np.rint(mesh.points[:, :2] / 5e-4)
         on = (np.abs(mesh.points[:, :2] - 5e-4 * place) < 1e-9).all(axis=1) & (place[:, 0] >= 1)
         order = np.lexsort((place[on, 0], place[on, 1]))

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import time
 
-import fields
+import pdxtools
 import matplotlib
 
 matplotlib.use("Agg")
@@ -41,7 +41,7 @@ class Bench:
             after, elapsed = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic() - begin
             if done.returncode and not may_fail:
                 sys.exit(f"{' '.join(command)}\nfailed: {done.stderr}")
-            summary = fields.read_summary(directory)
+            summary = pdxtools.read_summary(directory)
             if ranks == 1 and not wall:  # processor time: what other processes took of the core is not the solver's
                 busy = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
                 share = min(1.0, busy / elapsed)

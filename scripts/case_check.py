@@ -6,7 +6,7 @@ import pathlib
 import subprocess
 import tempfile
 
-import fields
+import pdxtools
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 # One rank without mpirun: Open MPI 4 starts a daemon for it, which takes longer than a small scene. Not for mpirun, which needs
@@ -39,18 +39,18 @@ class Check:
 
     def books(self, run, momentum=None, drift=None):
         """Results and history of a run, after a look at what may be lost of momentum and energy."""
-        results = fields.read_summary(run)["results"]
+        results = pdxtools.read_summary(run)["results"]
         for name, most in (("momentum_error_ratio", momentum), ("energy_drift_ratio", drift)):
             if most is not None:
                 self.expect_between(name, results[name], 0.0, most)
-        return results, fields.read_history(run)
+        return results, pdxtools.read_history(run)
 
     def expect_alike(self, variant, names, tolerance):
         """Results of these names are the same on 1, 2 and 3 ranks."""
         runs = [self.run(variant, ranks) for ranks in (1, 2, 3)]
         if None in runs:
             return
-        values = [fields.read_summary(run[0])["results"] for run in runs]
+        values = [pdxtools.read_summary(run[0])["results"] for run in runs]
         for ranks, value in zip((2, 3), values[1:]):
             for name in names:
                 self.expect_near(f"{ranks} ranks: {name}", value[name], values[0][name], tolerance)

@@ -8,7 +8,7 @@ passes the tolerance, 1 if one does, 2 if the two cannot be compared.
 import argparse
 import sys
 
-import fields
+import pdxtools
 import numpy as np
 
 
@@ -41,10 +41,10 @@ def main():
     parser.add_argument("--tolerance", type=float, default=1e-9, help="largest difference that passes [-]")
     options = parser.parse_args()
     try:
-        steps = fields.step_count(options.a), fields.step_count(options.b)
+        steps = pdxtools.step_count(options.a), pdxtools.step_count(options.b)
         if steps[0] != steps[1]:
             refuse(f"{steps[0]} and {steps[1]} steps")
-        blocks_a, blocks_b = fields.read_step(options.a)[1], fields.read_step(options.b)[1]
+        blocks_a, blocks_b = pdxtools.read_step(options.a)[1], pdxtools.read_step(options.b)[1]
     except (OSError, IndexError, KeyError) as error:
         refuse(f"cannot read the runs: {error}")
     if blocks_a.keys() != blocks_b.keys():

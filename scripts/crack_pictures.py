@@ -1,7 +1,6 @@
 """Pictures of cracks that run: damage at some times, and curves over time. For cases/*/pictures.py."""
 
-import fields
-import h5py
+import pdxtools
 import matplotlib
 import numpy as np
 
@@ -12,13 +11,6 @@ STYLE = {"font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 
          "savefig.bbox": "tight", "axes.spines.top": False, "axes.spines.right": False}  # fmt: skip
 COLOURS = ["#4477aa", "#ee6677", "#228833", "#ccbb44", "#aa3377"]
 plt.rcParams.update(STYLE)
-
-
-def step_at(run, time):
-    """Number of the stored step nearest to a time [s]."""
-    with h5py.File(fields.fields_path(run), "r") as file:
-        times = [float(file[name].attrs["time"]) for name in sorted(file)]
-    return int(np.argmin(np.abs(np.array(times) - time)))
 
 
 def lattice_image(axes, sites, values):
@@ -37,7 +29,7 @@ def lattice_image(axes, sites, values):
 
 def draw_damage(axes, run, time):
     """Damage of the particles at the stored step nearest to a time; elements stay white."""
-    now, blocks = fields.read_step(run, step_at(run, time))
+    now, blocks = pdxtools.read_step(run, pdxtools.step_at(run, time))
     particles, x = blocks["particles"], blocks["mesh"].points[:, :2] * 1e3
     seen = lattice_image(axes, particles.points[:, :2] * 1e3, particles["damage"] + particles["precrack"])
     axes.set(xlim=(x[:, 0].min(), x[:, 0].max()), ylim=(x[:, 1].min(), x[:, 1].max()), aspect="equal",
@@ -60,7 +52,7 @@ def damage_maps(run, times, path, columns=2, size=(4.2, 2.2)):
 def curves(runs, name, factor, axes):
     """One column of history.csv over time for runs by label."""
     for colour, (label, run) in zip(COLOURS, runs.items()):
-        columns = fields.read_history(run)
+        columns = pdxtools.read_history(run)
         axes.plot(1e6 * columns["time"], factor * columns[name], color=colour, linewidth=1, label=label)
     axes.set(xlabel="time [µs]", xlim=(0, None))
     axes.grid(linewidth=0.3)
@@ -68,7 +60,7 @@ def curves(runs, name, factor, axes):
 
 def energies(run, axes, unit=(1.0, "J")):
     """Where the energy is, over time."""
-    h = fields.read_history(run)
+    h = pdxtools.read_history(run)
     parts = {
         "kinetic": h["energy_kinetic_elements"] + h["energy_kinetic_particles"],
         "strain": h["energy_elements"] + h["energy_bonds"] + h["energy_interface"],

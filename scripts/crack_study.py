@@ -1,7 +1,7 @@
 """What every study.py of a running crack does: runs variants on one rank, prints a table of what the cracks did."""
 
 import case_study
-import fields
+import pdxtools
 
 COLUMNS = ("run", "unknowns", "steps", "start [us]", "branches [us]", "at [mm]", "max speed [m/s]", "of c_R",
            "angle [deg]", "grown tips [mm]", "residual", "time [s]")  # fmt: skip
@@ -9,7 +9,7 @@ COLUMNS = ("run", "unknowns", "steps", "start [us]", "branches [us]", "at [mm]",
 
 def line(out, name):
     """A line of the table, or None if there is no run that is done."""
-    summary = fields.read_summary(out / name)
+    summary = pdxtools.read_summary(out / name)
     if summary.get("status") != "done":
         return None
     r = summary["results"]

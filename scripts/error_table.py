@@ -2,9 +2,9 @@
 """Prints the errors and costs of runs, from their summary.json, beside the errors a paper quotes."""
 
 import argparse
-import json
-import pathlib
 import sys
+
+import pdxtools
 
 COLUMNS = ("run", "ranks", "unknowns", "max error %", "mean error %", "paper max %", "iterations", "solve s")
 
@@ -12,8 +12,9 @@ COLUMNS = ("run", "ranks", "unknowns", "max error %", "mean error %", "paper max
 def row(run):
     """One table row of `name:paper's maximum error in %:output directory`."""
     name, paper, directory = run.split(":", 2)
-    path = pathlib.Path(directory) / "summary.json"
-    summary = json.loads(path.read_text(encoding="utf-8"))
+    summary = pdxtools.read_summary(directory)
+    if not summary:
+        raise OSError(f"{directory} has no summary.json")
     results = summary["results"]
     return (
         name,

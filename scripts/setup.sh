@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs, by apt, what a bare Debian 12 or 13 lacks. Idempotent; changes nothing else.
-# usage: setup.sh [demo] [tests] [style]     default: all three
+# usage: setup.sh [demo] [tests] [style] [docs]     default: all four
 #   demo    to build the program, run it and draw
 #   tests   to build and run the tests
 #   style   formatter and linter of the pinned version (Debian 12); a release that lacks them goes without
+#   docs    to make the documentation as a site
 set -euo pipefail
 
 demo=(
@@ -14,16 +15,18 @@ demo=(
 )
 tests=(libgtest-dev libbenchmark-dev valgrind)
 style=(clang-format-14 clang-tidy-14)
+docs=(mkdocs)
 
 needed=()
 wished=()
-[ $# -gt 0 ] || set -- demo tests style
+[ $# -gt 0 ] || set -- demo tests style docs
 for part in "$@"; do
   case $part in
     demo) needed+=("${demo[@]}") ;;
     tests) needed+=("${tests[@]}") ;;
     style) wished+=("${style[@]}") ;;
-    *) echo "setup: unknown part '$part'; parts are demo, tests, style" >&2; exit 1 ;;
+    docs) wished+=("${docs[@]}") ;;
+    *) echo "setup: unknown part '$part'; parts are demo, tests, style, docs" >&2; exit 1 ;;
   esac
 done
 
@@ -99,7 +102,7 @@ echo "setup: $((${#missing[@]} + ${#wanted[@]})) packages are not here: ${missin
 echo "setup: asking apt where they are"
 apt update -q
 mapfile -t found < <(known_of "${wanted[@]}")
-[ ${#found[@]} -eq ${#wanted[@]} ] || echo "setup: this release has not all of: ${wanted[*]} (only style checks need them)"
+[ ${#found[@]} -eq ${#wanted[@]} ] || echo "setup: this release has not all of: ${wanted[*]} (only style checks and the site need them)"
 missing+=("${found[@]}")
 echo "setup: installing ${#missing[@]} packages: ${missing[*]}"
 apt install -y -q --no-install-recommends "${missing[@]}"

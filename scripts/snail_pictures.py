@@ -11,10 +11,10 @@ import pathlib
 import sys
 
 import crack_pictures
-import fields
+import pdxtools
 import numpy as np
-import plot_case
 from matplotlib.collections import LineCollection
+from pdxtools.draw import COVERED, draw_cells
 from PIL import Image
 
 plt = crack_pictures.plt
@@ -29,10 +29,10 @@ class Run:
     """What all steps share; lengths in the unit of the axes."""
 
     def __init__(self, directory, window=None):
-        self.path, self.name = fields.fields_path(directory), directory
+        self.path, self.name = pdxtools.fields_path(directory), directory
         self.refuse_if(not self.path.exists(), "has no fields: run with -output_fields")
-        self.steps = fields.step_count(self.path)
-        self.summary = fields.read_summary(self.path)
+        self.steps = pdxtools.step_count(self.path)
+        self.summary = pdxtools.read_summary(self.path)
         self.in_time = "load_steps_accepted" not in self.summary.get("results", {})
         self.refuse_if(self.steps == 0, "has fields at no time yet")
         first = self.blocks(0)[1]
@@ -46,14 +46,14 @@ class Run:
             self.lower, self.upper = np.reshape(window, (2, 2))
             self.refuse_if((self.upper <= self.lower).any(), f"has no inside in --window: give x0 y0 x1 y1 in {self.unit}")
         path = self.path.with_name("crack_path.csv")
-        self.path_columns = fields.read_curve(path) if path.exists() else None
+        self.path_columns = pdxtools.read_curve(path) if path.exists() else None
 
     def refuse_if(self, wrong, why):
         if wrong:
             sys.exit(f"snail_pictures.py: {self.name} {why}")
 
     def blocks(self, number):
-        return fields.read_step(self.path, number)
+        return pdxtools.read_step(self.path, number)
 
     def aspect(self):
         width, height = self.upper - self.lower
@@ -99,8 +99,8 @@ def draw(axes, run, number):
     """One step: its particles' colours, for the bar."""
     now, blocks = run.blocks(number)
     mesh = blocks["mesh"]
-    elements = mesh.cells[mesh["use"] != plot_case.COVERED]
-    plot_case.draw_cells(axes, run.metre * mesh.points[:, :2], elements, ELEMENT, edgecolors=GRID, linewidths=0.2)
+    elements = mesh.cells[mesh["use"] != COVERED]
+    draw_cells(axes, run.metre * mesh.points[:, :2], elements, ELEMENT, edgecolors=GRID, linewidths=0.2)
     seen, count = None, 0
     if "particles" in blocks:
         particles = blocks["particles"]
@@ -138,7 +138,7 @@ def panels(run, rows, columns):
 def chosen_steps(run, options):
     if options.at:
         unit = 1e-6 if run.in_time else 1.0
-        return [crack_pictures.step_at(run.path, unit * at) for at in options.at]
+        return [pdxtools.step_at(run.path, unit * at) for at in options.at]
     return [int(k) for k in np.round(np.linspace(0, run.steps - 1, min(options.panels, run.steps)))]
 
 

@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 
 RAYLEIGH = 3058.39  # [m/s]
@@ -38,8 +38,8 @@ class Check(case_check.Check):
         if None in runs:
             return
         runs = [run[0] for run in runs]
-        histories = [fields.read_history(run) for run in runs]
-        last = [fields.read_step(run)[1]["particles"] for run in runs]
+        histories = [pdxtools.read_history(run) for run in runs]
+        last = [pdxtools.read_step(run)[1]["particles"] for run in runs]
         broken = histories[0]["bonds_broken"]
         self.expect(broken[0] == 0 and broken[-1] > 1000, f"{broken[-1]:.0f} bonds broken in the end, none at first")
         damage = by_number(last[0], "damage")
@@ -66,7 +66,7 @@ class Check(case_check.Check):
         run = self.run("smoke", 2, [], "branch")
         if not run:
             return
-        results = fields.read_summary(run[0])["results"]
+        results = pdxtools.read_summary(run[0])["results"]
         tips = np.array(results["crack_tips"])
         self.expect(abs(results["rayleigh_speed"] - RAYLEIGH) < 0.01, f"Rayleigh speed {results['rayleigh_speed']:.2f} m/s")
         ratio = results["max_crack_speed_ratio"]
@@ -86,7 +86,7 @@ class Check(case_check.Check):
         run = self.run("medium", 2, [], "medium")
         if not run:
             return
-        results = fields.read_summary(run[0])["results"]
+        results = pdxtools.read_summary(run[0])["results"]
         time, x = 1e6 * results.get("branch_time", 0.0), 1e3 * results.get("branch_point", [0.0])[0]
         self.expect(20.0 < time < 21.5, f"branches at {time:.2f} us")
         self.expect(66.5 < x < 68.5, f"at x = {x:.2f} mm")

@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 
 SPACING = 1e-3 / 3.0  # [m]
@@ -30,7 +30,7 @@ class Check(case_check.Check):
         if None in runs:
             return
         for run in runs:
-            results = fields.read_summary(run[0])["results"]
+            results = pdxtools.read_summary(run[0])["results"]
             name = run[0].name
             tips = np.array(results["crack_tips"])
             self.expect(len(tips) == 2, f"{name}: {len(tips)} tips")
@@ -39,7 +39,7 @@ class Check(case_check.Check):
             ratio = results["max_crack_speed_ratio"]
             self.expect(0.2 < ratio < 1.0, f"{name}: largest speed {ratio:.3f} of the Rayleigh speed")
             self.expect(results["energy_drift_ratio"] < 0.03, f"{name}: energy drift {results['energy_drift_ratio']:.1e}")
-        coupled, alone = (fields.read_history(run[0]) for run in runs)
+        coupled, alone = (pdxtools.read_history(run[0]) for run in runs)
         gap = np.abs(coupled["crack_length"] - alone["crack_length"]).max()
         grown = alone["crack_length"][-1] - alone["crack_length"][0]
         self.expect(grown > 10 * SPACING, f"the crack grew by {1e3 * grown:.2f} mm")
@@ -50,7 +50,7 @@ class Check(case_check.Check):
         runs = [self.run("smoke", n, [], f"ranks_{n}") for n in (1, 2, 3)]
         if None in runs:
             return
-        histories = [fields.read_history(run[0]) for run in runs]
+        histories = [pdxtools.read_history(run[0]) for run in runs]
         for n, history in zip((2, 3), histories[1:]):
             same = np.array_equal(history["bonds_broken"], histories[0]["bonds_broken"])
             self.expect(same, f"{n} ranks: the same bonds_broken")

@@ -26,7 +26,7 @@ def main():
         plot.set_title(title, fontsize=9)
         plot.legend(frameon=False, fontsize=8)
     for colour, (label, name) in zip(pictures.COLOURS, RELEASED.items()):
-        h = pictures.fields.read_history(out / name)
+        h = pictures.pdxtools.read_history(out / name)
         total = sum(h[f"energy_{part}"] for part in
                     ("kinetic_elements", "kinetic_particles", "elements", "bonds", "interface"))  # fmt: skip
         axes[2].plot(1e6 * h["time"], total, color=colour, linewidth=1, label=label)

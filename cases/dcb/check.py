@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 
 # The papers' scheme, computed independently with a clamp of 0.03 mm and a patch of 15 x 15 elements: force per thickness
@@ -41,7 +41,7 @@ def displaced(opening, steps):
 
 
 def read_damage(run):
-    particles = fields.read_step(run)[1]["particles"]
+    particles = pdxtools.read_step(run)[1]["particles"]
     order = np.argsort(particles.natural_point)
     return particles.natural_point[order], particles["damage"][order]
 
@@ -61,7 +61,7 @@ class Check(case_check.Check):
         runs = [self.directory(f"ranks_{n}", "smoke", displaced(0.6e-6, 4), n) for n in (1, 2, 3)]
         if None in runs:
             return
-        histories = [fields.read_history(run) for run in runs]
+        histories = [pdxtools.read_history(run) for run in runs]
         broken = histories[0]["bonds_broken"]
         self.expect(broken[-1] > 100 and broken[0] == 0, f"{broken[-1]:.0f} bonds broken in the end, none at first")
         points, damage = read_damage(runs[0])
@@ -82,7 +82,7 @@ class Check(case_check.Check):
         run = self.directory("peak", "paper_row3", [*LINEAR, *square, *displaced(PEAK_END, 75)])
         if not run:
             return
-        results = fields.read_summary(run)["results"]
+        results = pdxtools.read_summary(run)["results"]
         force = results["peak_reaction_per_thickness"]["top"][1]
         opening = PEAK_END * results["peak_reaction_load"]["top"][1]
         self.expect(
@@ -101,14 +101,14 @@ class Check(case_check.Check):
         run = self.directory("final", "paper_row3", [*LINEAR, *longer])
         if not run:
             return
-        history = fields.read_history(run)
+        history = pdxtools.read_history(run)
         for name, wanted in zip(("crack_first_intact", "crack_farthest_broken"), FINAL):
             found = history[name][-1]
             self.expect(
                 abs(found - wanted) <= 1.001 * SPACING,
                 f"{name} {1e3 * found:.4f} mm, wanted {1e3 * wanted:.4f} within a spacing",
             )
-        self.symmetric(fields.read_summary(run)["results"])
+        self.symmetric(pdxtools.read_summary(run)["results"])
 
     def symmetric(self, results):
         top, bottom = results["reaction"]["top"][1], results["reaction"]["bottom"][1]

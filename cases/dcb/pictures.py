@@ -13,8 +13,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path.insert(0, str(ROOT / "scripts"))
 
-import fields
-import h5py
+import pdxtools
 import matplotlib
 import numpy as np
 
@@ -57,7 +56,7 @@ def curves(directory, names):
     for name, colour in zip(names, COLOURS):
         if not (directory / name / "history.csv").exists():
             continue
-        columns = fields.read_history(directory / name)
+        columns = pdxtools.read_history(directory / name)
         opening = OPENING * columns["load"]
         thickness = 1e-3  # [m]
         force.plot([0, *opening], [0, *(columns["reaction_top_y"] / thickness)], color=colour, linewidth=1,
@@ -73,13 +72,6 @@ def curves(directory, names):
         axes.legend(frameon=False, fontsize=8)
     figure.savefig(HERE / "curves.png")
     plt.close(figure)
-
-
-def step_at(run, load):
-    """Number of the stored step nearest to a load."""
-    with h5py.File(fields.fields_path(run), "r") as file:
-        loads = [float(file[name].attrs["time"]) for name in sorted(file)]
-    return int(np.argmin(np.abs(np.array(loads) - load)))
 
 
 def moved(block):
@@ -113,7 +105,7 @@ def draw_particles(axes, particles, figure, last):
 def growth(run, loads):
     figure, rows = plt.subplots(len(loads), 1, figsize=(6.2, 2.9 * len(loads)), squeeze=False)
     for axes, load in zip(rows[:, 0], loads):
-        time, blocks = fields.read_step(run, step_at(run, load))
+        time, blocks = pdxtools.read_step(run, pdxtools.step_at(run, load))
         axes.set(aspect="equal", xlim=(-0.02, 0.92), ylim=(-0.04, 0.49), xlabel="$x$ [mm]", ylabel="$y$ [mm]")
         axes.set_title(f"opening of a clamp {OPENING * time:.3f} µm, deformation × {MAGNIFICATION:g}", fontsize=9)
         draw_mesh(axes, blocks)

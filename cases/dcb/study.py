@@ -16,7 +16,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "scripts"))
 
 import case_study
-import fields
+import pdxtools
 
 ROWS = range(1, 11)
 # The paper's Table 3: peak force per thickness [N/m], final crack [mm], speed-up over particles only.
@@ -63,7 +63,7 @@ def run(arguments, name):
     file, options = VARIANTS[name]
     variant = file, [*options, "-output_fields", "-output_interval", "20"]
     done = case_study.run(arguments.executable, "dcb", name, variant, arguments.out, timeout=arguments.timeout)
-    return fields.read_summary(arguments.out / name) if done else None
+    return pdxtools.read_summary(arguments.out / name) if done else None
 
 
 def numbers(name, invocation, summary):

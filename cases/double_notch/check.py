@@ -14,7 +14,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 
 YOUNG = 72e9  # [Pa]
 REFERENCE = 12.8930  # J [J/m^2], p-version elements graded to the tip, an independent computation
@@ -56,7 +56,7 @@ class Check(case_check.Check):
             return None
         directory, said = run
         self.expect(WARNING in said if variant == "xfem_only" else not said, f"{ranks} rank(s) {said.strip()}")
-        return fields.read_summary(directory)["results"]
+        return pdxtools.read_summary(directory)["results"]
 
     def check(self, variant):
         one, two = (self.results(variant, ranks) for ranks in (1, 2))

@@ -23,12 +23,12 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
-import fields
+import pdxtools
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the choice of backend)
-import plot_case  # noqa: E402
+from pdxtools import draw  # noqa: E402
 
 REFERENCE = 12.8930  # J [J/m^2]
 PLATE = 0.1  # side [m]
@@ -91,7 +91,7 @@ class Study:
             done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
             if done.returncode:
                 sys.exit(f"{' '.join(command)}\nfailed: {done.stderr}")
-            return fields.read_summary(directory)
+            return pdxtools.read_summary(directory)
 
     def error(self, *arguments, **keywords):
         """Error of J [%] and unknowns of a scene."""
@@ -167,7 +167,7 @@ class Study:
         self.table("horizon", "Error of J [%] on the square of 20 mm by horizon n dx (Fig. 15)",
                    "larger n converges better and moves the plateau of Case 2; n = 4 is the compromise.",
                    ["method", "n", *(f"dx = {dx:.3f} mm" for dx in millimetres)], rows)
-        with plt.rc_context(plot_case.STYLE):
+        with plt.rc_context(draw.STYLE):
             figure, grid = plt.subplots(2, 2, figsize=(6.4, 5.0), sharex=True, sharey="row", layout="constrained")
         for axes, (case, scheme) in zip(grid.flat, ((c, s) for s in SCHEMES for c in (2, 3))):
             for n, look in zip(HORIZONS, looks()):
@@ -203,7 +203,7 @@ class Study:
                    "170.1 s against 34.38 s at dx = 0.5 mm with MATLAB's backslash, a factor of 5.",
                    ["solver", "dx [mm]", "unknowns, Case 2", "Case 3", "solve [s], Case 2", "Case 3", "time ratio",
                     "ratio of unknowns"], rows)
-        with plt.rc_context(plot_case.STYLE):
+        with plt.rc_context(draw.STYLE):
             figure, (left, right) = plt.subplots(1, 2, figsize=(7.0, 3.0), layout="constrained")
         for (solver, points), colour in zip(curves.items(), COLOURS):
             dx, two, three = zip(*points)
@@ -276,7 +276,7 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
     study = Study(arguments.executable, arguments.out, arguments.rounds, arguments.cholesky)
     for name in names if "all" in arguments.studies else arguments.studies:
-        with plt.rc_context(plot_case.STYLE):
+        with plt.rc_context(draw.STYLE):
             getattr(study, name)()
 
 

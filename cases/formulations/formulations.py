@@ -1,6 +1,6 @@
 """What study.py and check.py of this case share: the variants, and what is read from a run of each scene."""
 
-import fields
+import pdxtools
 import numpy as np
 
 UPDATED = ["-mpm_formulation", "updated", "-mpm_shape"]
@@ -17,7 +17,7 @@ SPEED, WIDTH, MIDDLE, HIGH, STRESS = 100.0, 2e-4, 7e-4, 1e-2, 1500.0  # [m/s], [
 
 def pulse(run):
     """Error of the velocity at the end, over its size."""
-    time, blocks = fields.read_step(run)
+    time, blocks = pdxtools.read_step(run)
     points = blocks["points"]
     exact = HIGH * np.exp(-(((time - points.points[:, 0] / SPEED) - MIDDLE) / WIDTH) ** 2)
     return np.linalg.norm(points["velocity"][:, 0] - exact) / np.linalg.norm(exact)
@@ -25,17 +25,17 @@ def pulse(run):
 
 def energy(run):
     """Change of strain and kinetic energy from the start to the end, over the former."""
-    results = fields.read_summary(run)["results"]
+    results = pdxtools.read_summary(run)["results"]
     return (results["kinetic_energy"] + results["strain_energy"]) / results["initial_energy"] - 1.0
 
 
 def turned(run):
     """The same of angular momentum, from the first look."""
-    angular = fields.read_history(run)["angular_momentum_z"]
+    angular = pdxtools.read_history(run)["angular_momentum_z"]
     return angular[-1] / angular[0] - 1.0
 
 
 def impact(run):
     """The largest pull in any point at any time, over that of plane waves."""
-    steps = range(fields.step_count(run))
-    return max(fields.read_step(run, k)[1]["points"]["stress"][:, 0].max() for k in steps) / STRESS
+    steps = range(pdxtools.step_count(run))
+    return max(pdxtools.read_step(run, k)[1]["points"]["stress"][:, 0].max() for k in steps) / STRESS

@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_study
-import fields
+import pdxtools
 import formulations
 import matplotlib
 
@@ -56,7 +56,7 @@ def picture(arguments):
             rounds = []
             for _ in range(ROUNDS):
                 found = run(arguments, "pulse", variant, name, ["-mpm_spacing", repr(spacing), "-ts_safety", "0.5"])
-                rounds.append(fields.read_summary(found)["wall_seconds"]["solve"])
+                rounds.append(pdxtools.read_summary(found)["wall_seconds"]["solve"])
             errors.append(formulations.pulse(found))
             seconds.append(min(rounds))
             lines.append([variant, f"{1e3 * spacing:g}", f"{errors[-1]:.4f}", f"{seconds[-1]:.3f}"])

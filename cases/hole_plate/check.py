@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 
 FIRST_BREAK, FAR, SPEED = 0.03, 1e-3, 0.10  # against particles only: relative, [m], relative
@@ -25,15 +25,15 @@ SHARE, PRINTED_SHARE = 0.45, 0.9  # of the plate that becomes particles: at most
 
 
 def first_break(run):
-    curve = fields.read_history(run)
+    curve = pdxtools.read_history(run)
     return curve["time"][curve["bonds_broken"] > 0][0]
 
 
 def tips(run):
     """Times of the pictures and how far to the right particles are damaged then [s], [m]."""
     times, places = [], []
-    for step in range(fields.step_count(run)):
-        time, blocks = fields.read_step(run, step)
+    for step in range(pdxtools.step_count(run)):
+        time, blocks = pdxtools.read_step(run, step)
         if "particles" not in blocks:
             continue
         damaged = blocks["particles"]["damage"] > TIP_DAMAGE
@@ -54,7 +54,7 @@ class Check(case_check.Check):
         runs = [self.run("case", 2, often), self.run("particles", 1, often)]
         if None in runs:
             return
-        results = fields.read_summary(runs[0][0])["results"]
+        results = pdxtools.read_summary(runs[0][0])["results"]
         self.expect_near("first break", first_break(runs[0][0]), first_break(runs[1][0]), FIRST_BREAK)
         self.expect_between("first break [s]", first_break(runs[0][0]), *START)
         (time, place), (_, theirs) = tips(runs[0][0]), tips(runs[1][0])
@@ -63,7 +63,7 @@ class Check(case_check.Check):
         speed = np.polyfit(time[between], place[between], 1)[0]
         self.expect_between("mean speed on the way [m/s]", speed, *SPEEDS)
         self.expect_between("energy_drift_ratio", results["energy_drift_ratio"], 0.0, DRIFT)
-        curve = fields.read_history(runs[0][0])
+        curve = pdxtools.read_history(runs[0][0])
         share = curve["particles"][-1] / (curve["particles"][-1] + curve["points"][-1])
         self.expect(share <= SHARE, f"{share:.3f} of the plate are particles at the end")
 
@@ -71,7 +71,7 @@ class Check(case_check.Check):
         """The wave that comes in is above the printed strength."""
         run = self.run("printed", 1)
         if run:
-            curve = fields.read_history(run[0])
+            curve = pdxtools.read_history(run[0])
             share = curve["particles"][-1] / (curve["particles"][-1] + curve["points"][-1])
             self.expect(share >= PRINTED_SHARE, f"{share:.3f} of the plate are particles at the end")
 

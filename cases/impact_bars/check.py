@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 
 MOMENTUM, DRIFT = 1e-13, 1e-3
@@ -50,8 +50,8 @@ class Check(case_check.Check):
             return None
         results, curve = self.books(run[0], MOMENTUM, DRIFT)
         most = 0.0
-        for number in range(fields.step_count(run[0])):
-            points = fields.read_step(run[0], number)[1]["points"]
+        for number in range(pdxtools.step_count(run[0])):
+            points = pdxtools.read_step(run[0], number)[1]["points"]
             far = abs(abs(points.points[:, 0] - LENGTH) - 0.075) < 5e-3
             most = max(most, -points["stress"][far, 0].min())
         return results, curve, most / (FORCE / AREA)

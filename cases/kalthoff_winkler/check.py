@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 import solid_cracks
 
@@ -34,7 +34,7 @@ class Check(case_check.Check):
         run = self.run("case", 2, ["-output_interval", "1000"], "cracks")
         if not run:
             return
-        results = fields.read_summary(run[0])["results"]
+        results = pdxtools.read_summary(run[0])["results"]
         tips = np.array(results["crack_tips"])
         self.expect(len(tips) == 2, f"{len(tips)} tips")
         gap = max(abs(tips[0, 0] - tips[1, 0]), abs(tips[0, 1] + tips[1, 1]))
@@ -52,7 +52,7 @@ class Check(case_check.Check):
         run = self.run("initial", 1, [], "initial")
         if not run:
             return
-        results = fields.read_summary(run[0])["results"]
+        results = pdxtools.read_summary(run[0])["results"]
         self.expect_near("initial energy", results["initial_energy"], INITIAL_ENERGY, 1e-9)
         self.expect(results["fracture_energy"] == 0.0, "no bond breaks")
         self.expect(results["energy_drift_ratio"] < 0.02, f"energy drift {results['energy_drift_ratio']:.1e}")
@@ -63,7 +63,7 @@ class Check(case_check.Check):
         runs = [self.run("points", 2, short, "points"), self.run("case", 1, short, "particles")]
         if None in runs:
             return
-        ours, theirs = (fields.read_summary(run[0])["results"] for run in runs)
+        ours, theirs = (pdxtools.read_summary(run[0])["results"] for run in runs)
         self.expect_near("start", ours["crack_start_time"], theirs["crack_start_time"], 0.03)
         gap = abs(abs(ours["crack_angle_degrees"]) - abs(theirs["crack_angle_degrees"]))
         self.expect(gap <= 3.0, f"angle {abs(ours['crack_angle_degrees']):.1f} degrees: {gap:.1f} beside particles only")
@@ -75,7 +75,7 @@ class Check(case_check.Check):
         run = self.run("solid_smoke", ranks)
         if not run:
             return None
-        block = fields.read_step(run[0])[1]["particles"]
+        block = pdxtools.read_step(run[0])[1]["particles"]
         order = np.argsort(block.natural_point)
         return run[0], block.points[order], block["damage"][order]
 
@@ -93,7 +93,7 @@ class Check(case_check.Check):
         self.expect(COARSE_ANGLES[0] < low and high < COARSE_ANGLES[1], f"{low:.1f} to {high:.1f} degrees in all layers")
         self.expect(np.abs(angles[:, 0] - angles[:, 1]).max() < 0.1, "the cracks mirror each other")
         self.expect(np.abs(angles - angles[::-1]).max() < 0.1, "back and front are alike")
-        results = fields.read_summary(directory)["results"]
+        results = pdxtools.read_summary(directory)["results"]
         tip = abs(results["crack_angle_degrees"])
         self.expect(COARSE_ANGLES[0] < tip < COARSE_ANGLES[1], f"the tip has gone off by {tip:.1f} degrees")
         ratio = results["max_crack_speed_ratio"]

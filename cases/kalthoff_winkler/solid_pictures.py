@@ -12,7 +12,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "scripts"))
 
-import fields
+import pdxtools
 import matplotlib
 import numpy as np
 import solid_cracks
@@ -64,7 +64,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--run", default="out/kalthoff_winkler_solid")
     run = parser.parse_args().run
-    time, blocks = fields.read_step(run)
+    time, blocks = pdxtools.read_step(run)
     block = blocks["particles"]
     with plt.rc_context(STYLE):
         figure = plt.figure(figsize=(8.0, 5.6), layout="constrained")

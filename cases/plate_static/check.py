@@ -12,7 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 
 # Largest relative error of Eq. 28 [%]: bounds, or the paper's value with what separates our figures from its own.
@@ -53,7 +53,7 @@ class Check(case_check.Check):
             self.displacements(run[0])
 
     def results(self, run, variant):
-        results = fields.read_summary(run)["results"]
+        results = pdxtools.read_summary(run)["results"]
         reaction = np.array(results["reaction"]["clamp"])
         self.expect_vector("reaction [N]", reaction, REACTION, REACTION_TOLERANCE)
         bounds = ERRORS[variant]
@@ -63,7 +63,7 @@ class Check(case_check.Check):
             self.expect(low <= error <= high, f"largest error {error:.4f} %, wanted {low:.3g} ... {high:.3g} %")
 
     def displacements(self, run):
-        mesh = fields.read_step(run)[1]["mesh"]
+        mesh = pdxtools.read_step(run)[1]["mesh"]
         for point, expected in DISPLACEMENTS.items():
             distance = np.linalg.norm(mesh.points[:, :2] - point, axis=1)
             found = mesh["displacement"][distance.argmin(), :2]

@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 
 FIRST_BREAK, GROWTH, SPEED = 0.03, 1e-3, 0.10  # against particles only: relative, [m] at either end, relative
 DRIFT, CONVERTED = 1e-3, 1e-3  # of the work
@@ -22,7 +22,7 @@ PAPER_START = 5e-6, 7e-6  # [s]
 
 def first_break(run):
     """When the first bond had broken, to a look of the history [s]."""
-    curve = fields.read_history(run)
+    curve = pdxtools.read_history(run)
     return curve["time"][curve["bonds_broken"] > 0][0]
 
 
@@ -36,7 +36,7 @@ class Check(case_check.Check):
         runs = [self.run(name, ranks, ["-output_history_interval", "1"]) for name, ranks in ((variant, 2), ("particles", 1))]
         if None in runs:
             return
-        ours, theirs = (fields.read_summary(run[0])["results"] for run in runs)
+        ours, theirs = (pdxtools.read_summary(run[0])["results"] for run in runs)
         self.expect_near("first break", first_break(runs[0][0]), first_break(runs[1][0]), FIRST_BREAK)
         gap = 0.5 * abs(ours["crack_length"] - theirs["crack_length"])
         self.expect(gap <= GROWTH, f"grows by {1e3 * (0.5 * ours['crack_length'] - 5e-3):.2f} mm: {1e3 * gap:.2f} mm beside particles")

@@ -14,7 +14,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 
 MASS, VELOCITY = 7800.0 * 0.1 * 0.05 * 0.01, 44.0  # of the projectile
@@ -48,7 +48,7 @@ class Check(case_check.Check):
         runs = [self.run(name, 1) for name in ("elastic", "elements")]
         if None in runs:
             return
-        ours, theirs = (fields.read_step(run[0])[1]["mesh"] for run in runs)
+        ours, theirs = (pdxtools.read_step(run[0])[1]["mesh"] for run in runs)
         gap = np.linalg.norm(ours["displacement"] - theirs["displacement"], axis=1)
         self.expect_between("patches change", gap.max() / np.linalg.norm(theirs["displacement"], axis=1).max(), 0.0, PATCHES)
 

@@ -10,7 +10,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
-import fields
+import pdxtools
 import matplotlib
 
 matplotlib.use("Agg")
@@ -43,10 +43,10 @@ def main():
     if not 2 <= len(sys.argv) <= 3:
         sys.exit(__doc__)
     run = sys.argv[1]
-    count = fields.step_count(run)
+    count = pdxtools.step_count(run)
     figure, axes = plt.subplots(1, count, figsize=(3.2 * count, 3.3))
     for number, each in enumerate(np.atleast_1d(axes)):
-        draw(each, *fields.read_step(run, number))
+        draw(each, *pdxtools.read_step(run, number))
     figure.suptitle("elements (blue), particles (by damage), material points (green); displacements five times", fontsize=9)
     figure.tight_layout()
     target = sys.argv[2] if len(sys.argv) > 2 else str(pathlib.Path(run) / "projectile.png")

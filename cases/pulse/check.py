@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 import waves
 
@@ -39,7 +39,7 @@ class Check(case_check.Check):
         run = self.run(variant, ranks, options, name)
         if not run:
             return None
-        drift = fields.read_summary(run[0])["results"]["energy_drift_ratio"]
+        drift = pdxtools.read_summary(run[0])["results"]["energy_drift_ratio"]
         self.expect(drift <= DRIFT, f"energy drift {drift:.1e} of the input, {DRIFT:g} allowed")
         return run[0]
 
@@ -52,7 +52,7 @@ class Check(case_check.Check):
         for n, motion in zip((2, 3), motions[1:]):
             gap = np.abs(motion - motions[0]).max() / np.abs(motions[0]).max()
             self.expect(gap <= SAME, f"{n} ranks: the same displacement: off by {gap:.1e} of its largest")
-        skipped = fields.read_summary(runs[0])["results"]["pd_tiles_skipped"]
+        skipped = pdxtools.read_summary(runs[0])["results"]["pd_tiles_skipped"]
         self.expect(skipped > 0, f"{skipped} tiles of bonds skipped that the wave had not reached")
 
     def elements(self):
@@ -75,7 +75,7 @@ class Check(case_check.Check):
         coarse = ["-mesh_cells", "200,100", "-pd_spacing", "5e-4", "-ts_dt", "1e-7", "-ts_max_time", "8.2e-5"]
         run = self.directory("case", ["-options_file", "cases/pulse/rollers.opts", *coarse])
         if run:
-            share = fields.read_summary(run)["results"]["pd_energy_ratio_final"]
+            share = pdxtools.read_summary(run)["results"]["pd_energy_ratio_final"]
             self.expect(share <= LEFT, f"energy left in the patch {share:.2e} of the input, {LEFT:g} allowed")
 
     def reflected(self, variant):

@@ -8,10 +8,10 @@ usage: pictures.py [--out out/pulse]
 import argparse
 import pathlib
 
-import waves  # before the next: it finds the python that has them
+import waves  # finds pdxtools, and the python that has the next
 import matplotlib
 import numpy as np
-from waves import fields
+import pdxtools
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -82,7 +82,7 @@ def pulse(out):
 def energies(out):
     figure, (shares, residuals) = plt.subplots(1, 2, figsize=(9.2, 3.4), layout="constrained")
     for run, (label, colour) in RUNS.items():
-        columns = fields.read_history(out / run)
+        columns = pdxtools.read_history(out / run)
         time, inside = waves.pd_energy(out / run)
         elements = (columns["energy_kinetic_elements"] + columns["energy_elements"]) / columns["work"].max()
         shares.plot(1e6 * time, elements, color=colour, linewidth=1, label=f"elements, {label}")

@@ -62,7 +62,7 @@ def line(out, name):
     """Cells of the table, or None if there is no such run."""
     here, alone = out / name, ALONE.get(name)
     reference = alone and out / alone
-    summary = waves.fields.read_summary(here)
+    summary = waves.pdxtools.read_summary(here)
     if not summary:
         return None
     results = summary["results"]

@@ -6,8 +6,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
-import fields
-import h5py
+import pdxtools
 import numpy as np
 
 AMPLITUDE, PEAK, WIDTH = 1e-4, 1.2e-5, 4e-6  # of the right side [m, s, s]
@@ -25,9 +24,7 @@ def exact(x, time):
 
 def blocks_at(run, time):
     """Time and blocks of the stored step nearest to `time` [s]."""
-    with h5py.File(fields.fields_path(run), "r") as file:
-        times = [float(file[name].attrs["time"]) for name in sorted(file)]
-    return fields.read_step(run, int(np.argmin(np.abs(np.array(times) - time))))
+    return pdxtools.read_step(run, pdxtools.step_at(run, time))
 
 
 def on_nodes(run, time):
@@ -74,7 +71,7 @@ def difference(run, reference, time):
 
 def pd_energy(run):
     """Time [s] and energy of the patch and its interface, kinetic and strain, over the largest input."""
-    columns = fields.read_history(run)
+    columns = pdxtools.read_history(run)
     inside = columns["energy_kinetic_particles"] + columns["energy_bonds"] + columns["energy_interface"]
     return columns["time"], inside / columns["work"].max()
 

@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 
 SPACING = 1e-5
@@ -35,7 +35,7 @@ class Check(case_check.Check):
 
     @staticmethod
     def path(run):
-        curve = fields.read_curve(run / "crack_path.csv")
+        curve = pdxtools.read_curve(run / "crack_path.csv")
         return np.column_stack([curve["x"], curve["y"]])
 
     def turns(self):
@@ -47,13 +47,13 @@ class Check(case_check.Check):
         self.expect(first < 10, f"it goes on at {first:.1f} degrees, not at the 30 of the given tip")
         self.expect(last < first - 15, f"and turns again: {last:.1f} degrees in the end")
         length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
-        told = fields.read_history(self.large[0])["crack_length"][-1] - GIVEN
+        told = pdxtools.read_history(self.large[0])["crack_length"][-1] - GIVEN
         self.expect(abs(length - told) < 1e-4 * SPACING, f"it has grown by {1e3 * told:.4f} mm, the length of its path")
 
     def same(self, name, run, large=None):
         """A run beside that with a patch which holds all of the way."""
         large = large or self.large[0]
-        one, other = (fields.read_history(directory) for directory in (large, run))
+        one, other = (pdxtools.read_history(directory) for directory in (large, run))
         gap = np.abs(one["bonds_broken"] - other["bonds_broken"]).max()
         self.expect(gap <= 4, f"{name}: {gap:.0f} more or less broken bonds at each load")
         for column in ("crack_length", "tip1_x", "tip1_y"):
@@ -61,7 +61,7 @@ class Check(case_check.Check):
             self.expect(gap < APART, f"{name}: {column} within {gap / SPACING:.2f} spacings at each load")
         gap = np.abs(one["reaction_top_y"] - other["reaction_top_y"]).max() / np.abs(one["reaction_top_y"]).max()
         self.expect(gap < FORCE, f"{name}: the force within {100 * gap:.2f} % of the largest")
-        summary = fields.read_summary(run)
+        summary = pdxtools.read_summary(run)
         self.expect(summary["relocations"] >= 8, f"{name}: {summary['relocations']} relocations")
         self.expect(summary["unknowns"]["enriched"] > 0, f"{name}: elements carry the crack behind the tip")
 

@@ -13,7 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 
 PLACE, TIME = (0.039, 0.041), (1.00e-3, 1.06e-3)  # plane waves: .0400 m, 1.000 ms
@@ -26,7 +26,7 @@ DRIFT = 1e-3
 def velocities(directory, section):
     """Mean velocity at the end of what lies left of the bar, in it before the section and behind that [m/s]."""
     places, speeds = [], []
-    _, blocks = fields.read_step(directory)
+    _, blocks = pdxtools.read_step(directory)
     for name in ("points", "particles"):
         places.append(blocks[name].points[:, 0])
         speeds.append(blocks[name]["velocity"][:, 0])
@@ -84,7 +84,7 @@ class Check(case_check.Check):
         """Twice the strength that waves reach: nothing becomes particles."""
         run = self.run("printed", 1)
         if run:
-            summary = fields.read_summary(run[0])
+            summary = pdxtools.read_summary(run[0])
             self.expect(summary["unknowns"]["pd"] == 0, "no particle")
             self.expect("spall_time" not in summary["results"], "no spall")
 

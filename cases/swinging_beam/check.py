@@ -12,7 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
-import fields
+import pdxtools
 import numpy as np
 
 DEEPEST, WHEN = -3.28, 1.06  # [m], [s] of the lower corner of its end, by finite elements; uGIMP: -3.24 at 1.12
@@ -31,8 +31,8 @@ class Check(case_check.Check):
             return
         self.books(run[0], drift=DRIFT)
         swing = []
-        for step in range(fields.step_count(run[0])):
-            time, blocks = fields.read_step(run[0], step)
+        for step in range(pdxtools.step_count(run[0])):
+            time, blocks = pdxtools.read_step(run[0], step)
             block = blocks["points"]
             corner = np.argmin(np.hypot(block.points[:, 0] - 4.0, block.points[:, 1]))
             swing.append((block["displacement"][corner, 1], time))

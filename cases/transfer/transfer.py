@@ -6,7 +6,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 
-import fields
+import pdxtools
 import numpy as np
 
 ELEMENT = 2e-3  # h [m]
@@ -64,7 +64,7 @@ def velocity(run):
     """Places of the nodes [h] and their mean velocity over the last step [m/s], in natural order."""
     times, moved = [], []
     for number in (-2, -1):
-        time, blocks = fields.read_step(run, number)
+        time, blocks = pdxtools.read_step(run, number)
         mesh = blocks["mesh"]
         order = np.argsort(mesh.natural_point)
         times.append(time)
@@ -74,9 +74,9 @@ def velocity(run):
 
 def gained(run):
     """What each change gave, over all the energy there is."""
-    results = fields.read_summary(run)["results"]
+    results = pdxtools.read_summary(run)["results"]
     whole = results["external_work"] + results["initial_energy"]
-    return np.diff(fields.read_history(run)["energy_relocated"]) / whole
+    return np.diff(pdxtools.read_history(run)["energy_relocated"]) / whole
 
 
 def gained_without_sides(run, low):
@@ -92,7 +92,7 @@ class Transfer:
 
     def __init__(self, scene, runs):
         energy = gained(runs["changes"])
-        self.relocations = fields.read_summary(runs["changes"])["relocations"]
+        self.relocations = pdxtools.read_summary(runs["changes"])["relocations"]
         self.energy = energy.sum()
         self.energy_each = np.abs(energy[np.abs(energy) > 1e-5]).mean()  # where there is something
         lower, upper = np.reshape(BLOCK[scene], (2, 2))

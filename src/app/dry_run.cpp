@@ -32,6 +32,7 @@ void DryRun::fields(double time, Vec u)
   const auto size =
       std::filesystem::file_size(std::filesystem::path(files_.options.output.directory) / "fields.h5", unknown);
   bytes_ = unknown ? 0.0 : static_cast<double>(size);
+  staying_ = static_cast<double>(files_.fields->bytes_that_stay());
   begin_ = MPI_Wtime();
 }
 
@@ -95,6 +96,7 @@ void DryRun::tell(const std::vector<Cost>& costs, const std::string& bound)
     if (cost.count > 0.0) parts += fmt::format(", {} {}", cost.name, io::duration(cost.count * cost.seconds));
   }
   const double sets = costs.back().count;
+  if (sets > 1.0 && !files_.options.layout.patches_move()) bytes_ -= staying_ * (sets - 1.0) / sets;
   const auto ranks = files_.summary.partition.particles_per_rank.size();
   files_.progress.line(fmt::format("memory: {:.0f} MB on the rank that has most, {:.0f} MB on all", most, all));
   if (sets > 0.0)

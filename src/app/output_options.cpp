@@ -1,5 +1,7 @@
 #include "pdx/app/scene_options.hpp"
 
+#include "pdx/base/error.hpp"
+
 #include <algorithm>
 #include <filesystem>
 
@@ -10,6 +12,12 @@ OutputOptions OutputOptions::read(const std::string& case_name, bool dynamic)
   OutputOptions output;
   output.directory = o.text("-output_dir", "out/" + case_name, "directory for all files");
   output.pictures = output.fields = o.boolean("-output_fields", false, "write fields.h5 and fields.xdmf for ParaView");
+  static constexpr const char* formats[] = {"xdmf", "vtkhdf"};
+  output.vtkhdf = o.choice("-output_format", 0, formats,
+                           "what shows fields.h5: fields.xdmf; vtkhdf: fields_BLOCK.vtkhdf of each block too, at the "
+                           "end of the run (ParaView 5.12 and newer)") == 1;
+  if (output.vtkhdf && !output.pictures)
+    throw UserError("-output_format vtkhdf is how fields are shown: give -output_fields too");
   output.dry_run = o.boolean("-dry_run", false,
                              "read, judge and build all, write the initial fields into the directory dry_run below "
                              "-output_dir, time some steps (static: a solve), tell what the run would take, and end");

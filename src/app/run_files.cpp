@@ -14,6 +14,7 @@
 #include "pdx/io/agree.hpp"
 #include "pdx/io/earlier_files.hpp"
 #include "pdx/io/provenance.hpp"
+#include "pdx/io/vtkhdf.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -297,6 +298,7 @@ void RunFiles::say_warning(const std::string& what) const
 void RunFiles::warn(const std::string& what)
 {
   if (what.empty()) return;
+  summary.warnings.push_back(as_one_line(what));
   if (!options.output.warnings_are_errors) return say_warning(what);
   const std::string error = what + " (-warnings_are_errors)";
   if (room_made_) fail(error); // else nothing has been written yet
@@ -313,6 +315,7 @@ void RunFiles::write_summary(const char* status)
   make_room();
   if (history) history->close();
   if (fields) fields->close();
+  if (fields && fields->steps() > 0 && options.output.vtkhdf) io::write_vtkhdf(comm_, options.output.directory);
   probes_.close();
   summary.status = status;
   summary.events = io::gather_event_counts(comm_);

@@ -3,11 +3,13 @@
 #include "pdx/base/given_options.hpp"
 #include "pdx/base/number.hpp"
 #include "pdx/base/options.hpp"
+#include "pdx/base/petsc.hpp"
 #include "pdx/base/shown.hpp"
 #include "pdx/base/text_file.hpp"
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <optional>
@@ -16,6 +18,12 @@
 namespace pdx::app {
 namespace {
 constexpr double kLeastThreshold = 1.01; // no partition is more even than that
+
+/// What PETSc reads itself may have had a unit, which it does not know.
+void hand_to_petsc(const char* name, double value)
+{
+  if (std::isfinite(value)) PDX_CALL(PetscOptionsSetValue(nullptr, name, fmt::format("{:.17g}", value).c_str()));
+}
 
 bool names_time(std::string_view word) { return word == "t" || word.starts_with("time") || word.starts_with("Time"); }
 
@@ -174,9 +182,10 @@ TimeOptions TimeOptions::read()
   t.safety = o.real("-ts_safety", t.safety, "-", "explicit: share of the stable limit that a step takes without -ts_dt",
                     {0.0, 1.0, true});
   t.allow_unstable = o.boolean("-ts_allow_unstable", false, "explicit: let -ts_dt be above the stable limit");
-  (void)o.real("-ts_dt", std::numeric_limits<double>::quiet_NaN(), "s",
-               "length of a step; explicit: none for the limit's", Range::positive());
-  (void)o.real("-ts_max_time", std::numeric_limits<double>::quiet_NaN(), "s", "end of the run", Range::positive());
+  hand_to_petsc("-ts_dt", o.real("-ts_dt", std::numeric_limits<double>::quiet_NaN(), "s",
+                                 "length of a step; explicit: none for the limit's", Range::positive()));
+  hand_to_petsc("-ts_max_time", o.real("-ts_max_time", std::numeric_limits<double>::quiet_NaN(), "s", "end of the run",
+                                       Range::positive()));
   (void)o.integer("-ts_max_steps", std::numeric_limits<int>::max(), "most steps of the run", {1.0, 2147483647.0});
   t.checkpoint = CheckpointOptions::read();
   return t;

@@ -51,6 +51,12 @@ bool is_probe(const std::filesystem::path& path)
   const std::string name = path.filename().string();
   return name.starts_with("probe_") && name.ends_with(".csv") && is_ours(path, {"", {"step [-],"}, false});
 }
+bool is_vtkhdf(const std::filesystem::path& path)
+{
+  const std::string name = path.filename().string();
+  return name.starts_with("fields_") && (name.ends_with(".vtkhdf") || name.ends_with(".vtkhdf.part")) &&
+         is_ours(path, {"", {"\x89HDF\r\n\x1a\n"}, true});
+}
 } // namespace
 
 std::vector<std::string> clear_earlier_files(const std::filesystem::path& directory, bool goes_on)
@@ -67,10 +73,10 @@ std::vector<std::string> clear_earlier_files(const std::filesystem::path& direct
     if (!error) gone.emplace_back(output.name);
   }
   std::error_code none;
-  if (!goes_on)
-    for (const auto& entry : std::filesystem::directory_iterator(directory, none))
-      if (is_probe(entry.path()) && std::filesystem::remove(entry.path(), none))
-        gone.insert(gone.begin(), entry.path().filename());
+  for (const auto& entry : std::filesystem::directory_iterator(directory, none))
+    if (((!goes_on && is_probe(entry.path())) || is_vtkhdf(entry.path())) &&
+        std::filesystem::remove(entry.path(), none))
+      gone.insert(gone.begin(), entry.path().filename());
   return gone;
 }
 

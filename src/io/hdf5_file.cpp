@@ -127,6 +127,13 @@ void Hdf5File::dataset(const std::string& path, std::span<const std::uint64_t> s
   write_slab(path, bytes_of(slab), components, {H5T_NATIVE_UINT64, H5T_STD_U64LE, "u64", 8});
 }
 
+void Hdf5File::link(const std::string& from, const std::string& path)
+{
+  if (rank_ || fault_) return;
+  const Hdf5Id parents(with_parents(), H5Pclose);
+  note_hdf5(H5Lcreate_hard(file_, from.c_str(), file_, path.c_str(), parents, H5P_DEFAULT) >= 0, path);
+}
+
 void Hdf5File::text(const std::string& path, std::string_view text)
 {
   write_slab(path, bytes_of(std::span(rank_ ? std::string_view() : text)), 1,

@@ -13,6 +13,8 @@
 #include <iterator>
 #include <numeric>
 #include <stdexcept>
+#include <type_traits>
+#include <utility>
 
 namespace pdx::io {
 namespace {
@@ -73,35 +75,58 @@ std::vector<Extent> extents(MPI_Comm comm, std::span<const field::OutputBlock> b
   return all;
 }
 
-XdmfAttribute write_field(Hdf5File& file, const std::string& group, const field::OutputField& field)
-{
-  const NameAndUnit parts = split(field.name);
-  const std::string path = group + "/" + parts.name;
-  const int components = static_cast<int>(field.rank);
-  if (field.integer) {
-    const std::vector<int> values(field.values.begin(), field.values.end());
-    file.dataset(path, std::span<const int>(values), components);
-  } else
-    file.dataset(path, std::span<const double>(field.values), components);
-  file.attribute(path, "unit", parts.unit);
-  return {field.name, parts.name, components, field.on_cells, field.integer};
-}
+/// Writes tables into one step of a file, or links them to where the file has them already.
+class StepWriter {
+public:
+  StepWriter(Hdf5File& file, KeptTables& kept, std::string step) : file_(file), kept_(kept), step_(std::move(step)) {}
 
-XdmfGrid write_block(Hdf5File& file, const std::string& step, const field::OutputBlock& block, const Extent& extent)
-{
-  XdmfGrid grid{block.name, step + "/" + block.name, extent.points, extent.cells, block.quadrilaterals, {}};
-  file.dataset(grid.group + "/points", std::span<const double>(block.points), 3);
-  file.dataset(grid.group + "/natural_point", std::span<const int>(block.natural_point), 1);
-  if (block.quadrilaterals)
-    file.dataset(grid.group + "/cells", std::span<const int>(block.cells), 4);
-  else {
-    std::vector<int> vertices(block.natural_point.size());
-    std::iota(vertices.begin(), vertices.end(), static_cast<int>(extent.first_point));
-    file.dataset(grid.group + "/cells", std::span<const int>(vertices), 1);
+  XdmfGrid block(const field::OutputBlock& block, const Extent& extent)
+  {
+    XdmfGrid grid{block.name, step_ + "/" + block.name, extent.points, extent.cells, block.quadrilaterals, {}};
+    table<double>(block.name + "/points", block.points, 3);
+    table<int>(block.name + "/natural_point", block.natural_point, 1);
+    if (block.quadrilaterals)
+      table<int>(block.name + "/cells", block.cells, 4);
+    else {
+      std::vector<int> vertices(block.natural_point.size());
+      std::iota(vertices.begin(), vertices.end(), static_cast<int>(extent.first_point));
+      table<int>(block.name + "/cells", vertices, 1);
+    }
+    for (const field::OutputField& field : block.fields) grid.attributes.push_back(attribute(block.name, field));
+    return grid;
   }
-  for (const field::OutputField& field : block.fields) grid.attributes.push_back(write_field(file, grid.group, field));
-  return grid;
-}
+  std::int64_t staying() const { return staying_; } ///< bytes here of places, cells and codes
+
+private:
+  /// True if it was written and not linked.
+  template <class Number> bool table(const std::string& name, std::span<const Number> slab, int components)
+  {
+    const std::string path = step_ + "/" + name, from = kept_.place(file_.comm(), name, std::as_bytes(slab), path);
+    if (std::is_same_v<Number, int> || name.ends_with("/points"))
+      staying_ += static_cast<std::int64_t>(slab.size_bytes());
+    if (from == path)
+      file_.dataset(path, slab, components);
+    else
+      file_.link(from, path);
+    return from == path;
+  }
+
+  XdmfAttribute attribute(const std::string& block, const field::OutputField& field)
+  {
+    const NameAndUnit parts = split(field.name);
+    const std::string name = block + "/" + parts.name;
+    const int components = static_cast<int>(field.rank);
+    const std::vector<int> codes(field.values.begin(), field.integer ? field.values.end() : field.values.begin());
+    if (field.integer ? table<int>(name, codes, components) : table<double>(name, field.values, components))
+      file_.attribute(step_ + "/" + name, "unit", parts.unit);
+    return {field.name, parts.name, components, field.on_cells, field.integer};
+  }
+
+  Hdf5File& file_;
+  KeptTables& kept_;
+  std::string step_;
+  std::int64_t staying_ = 0;
+};
 
 std::string step_name(int step) { return fmt::format("/step{:06d}", step); }
 
@@ -170,8 +195,11 @@ void FieldsFile::write(double time, std::span<const field::OutputBlock> blocks)
     const Timed timed(event);
     file_.group(step);
     file_.attribute(step, "time", time);
+    StepWriter writer(file_, kept_, step);
     for (std::size_t b = 0; b < blocks.size(); ++b)
-      if (sizes[b].points > 0) grids.push_back(write_block(file_, step, blocks[b], sizes[b]));
+      if (sizes[b].points > 0) grids.push_back(writer.block(blocks[b], sizes[b]));
+    staying_ = writer.staying();
+    MPI_Allreduce(MPI_IN_PLACE, &staying_, 1, MPI_INT64_T, MPI_SUM, comm_);
     file_.flush();
   }
   ++steps_;

@@ -111,6 +111,7 @@ Json json_of(MPI_Comm comm, const Summary& summary, double peak)
   json["provenance"] = provenance_json(comm, summary);
   json["status"] = summary.status;
   json["message"] = summary.message;
+  json["warnings"] = summary.warnings;
   add_counts(json, summary);
   json["partition"] = partition_json(summary.partition);
   json["peak_memory_mb"] = peak;

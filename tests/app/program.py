@@ -21,7 +21,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
 import compare
-import fields
+import pdxtools
 
 AT_BORDER = re.compile(r"^warning: a crack came to \([^\n]*\n", re.MULTILINE)
 ON_ROW = re.compile(r"^warning: crack \d+ runs along a row of particles[^\n]*\n", re.MULTILINE)
@@ -180,7 +180,7 @@ class ProgramTest(unittest.TestCase):
 
     def assert_same_displacement(self, a, b, tolerance=1e-9):
         """All blocks of two runs agree: largest difference over largest displacement. Points by natural number."""
-        steps = [fields.read_step(run.directory)[1] for run in (a, b)]
+        steps = [pdxtools.read_step(run.directory)[1] for run in (a, b)]
         self.assertEqual(steps[0].keys(), steps[1].keys())
         for name in steps[0]:
             self.assertLessEqual(compare.difference(name, steps[0][name], steps[1][name]), tolerance, name)

@@ -411,6 +411,8 @@ CASES = [
           material_toughness="5", crack_names="a", crack_a_points="0,0.5,0.5,0.5"),
     plate("neither true nor false for energy release", r"-post_energy_release\b.*maybe", post_energy_release="maybe"),
     plate("neither true nor false for precracks", r"-post_precrack_as_damage\b.*maybe", post_precrack_as_damage="maybe"),
+    plate("unknown format of fields", r"-output_format\b.*hdf.*xdmf, vtkhdf", output_format="hdf", output_fields=""),
+    plate("a format without fields", r"-output_format vtkhdf\b.*-output_fields", output_format="vtkhdf"),
     plate("output interval zero", r"-output_interval\b.*0.*at least 1", output_interval="0"),
     plate("output interval not whole", r"-output_interval\b.*1\.5.*whole", output_interval="1.5"),
     # --- solids

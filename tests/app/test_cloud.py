@@ -2,7 +2,7 @@
 
 import program
 import torn
-from program import fields
+from program import pdxtools
 
 import h5py
 import numpy as np
@@ -162,7 +162,7 @@ class Cloud(program.ProgramTest):
         points = jittered(80, 40, 3)
         sets = sets_of(points)
         run = self.solve(CLOUD | self.csv(points, sets) | {"-output_fields": "", "-ts_max_steps": "100"}, 2)
-        block = fields.read_step(run.directory)[1]["particles"]
+        block = pdxtools.read_step(run.directory)[1]["particles"]
         order = np.argsort(block.natural_point)
         np.testing.assert_allclose(block.points[order, :2], points, rtol=0, atol=1e-13)  # counted from the corner
         np.testing.assert_array_equal(block["set"][order], sets)
@@ -201,7 +201,7 @@ class Cloud(program.ProgramTest):
             "-quiet": "",
         }
         run = self.solve(options | self.csv(points, (points[:, 0] < 4 * DX).astype(int)), 2)
-        block = fields.read_step(run.directory)[1]["particles"]
+        block = pdxtools.read_step(run.directory)[1]["particles"]
         x, y = block.points[:, 0], block.points[:, 1]
         inner = (x > 8 * DX) & (x < 20 * DX) & (abs(y - 40 * DX) < 8 * DX)
         strain = np.polyfit(x[inner], block["displacement"][inner, 0], 1)[0]

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import program
 
-import fields
+import pdxtools
 
 SOFT = {
     "-case": "points",
@@ -62,7 +62,7 @@ class Points(program.ProgramTest):
         period = 4 * 0.04 / math.sqrt(1e6 / 1e3)
         for ranks in (1, 2):
             run = self.solve(BAR | {"-ts_max_time": str(period / 2), "-output_fields": "", "-output_interval": "100000"}, ranks)
-            block = fields.read_step(run.directory)[1]["points"]
+            block = pdxtools.read_step(run.directory)[1]["points"]
             ends = block.points[:, 0] > 0.039
             self.assertAlmostEqual(np.mean(block["displacement"][ends, 0]) / (2 * 1e-3 * 0.0395), 1.0, delta=0.02)
             pulled = run.summary["results"]["external_work"]
@@ -79,7 +79,7 @@ class Points(program.ProgramTest):
         peaks = []
         for more in ({}, {"-mpm_bulk_viscosity": "0.06"}):
             run = self.solve(SPALL | more | {"-output_fields": "", "-output_interval": "3"})
-            pull = [fields.read_step(run.directory, k)[1]["points"]["stress"][:, 0].max() for k in range(fields.step_count(run.directory))]
+            pull = [pdxtools.read_step(run.directory, k)[1]["points"]["stress"][:, 0].max() for k in range(pdxtools.step_count(run.directory))]
             peaks.append(max(pull) / 1500)
             rows = run.history()
             begin = rows[0]["energy_kinetic_points"]
@@ -192,7 +192,7 @@ class Grid(program.ProgramTest):
                              "-ts_max_time": str(period / 2)}
         for ranks in (1, 2):
             run = self.solve(hung | {"-output_fields": "", "-output_interval": "100000"}, ranks)
-            block = fields.read_step(run.directory)[1]["points"]
+            block = pdxtools.read_step(run.directory)[1]["points"]
             ends = block.points[:, 0] > 0.039
             static = pull * (0.04 * 0.0395 - 0.0395**2 / 2) / 1e6
             self.assertAlmostEqual(np.mean(block["displacement"][ends, 0]) / (2 * static), 1.0, delta=0.02)

@@ -8,7 +8,7 @@ import json
 import re
 
 import program  # finds scripts/ for the next line
-import fields
+import pdxtools
 from program import PATCH, SMALL, SMALL_PATCH
 
 FIELDS = {"-output_fields": ""}
@@ -160,7 +160,7 @@ class Failure(program.ProgramTest):
         self.assertAlmostEqual(failed - loads[-1], 1 / 128, delta=1e-6)
         self.assertLess(loads[-1], 0.8748)
         self.assertAlmostEqual(run.history()[0]["reaction_clamp_x"], 1.1e8, delta=1.0)
-        self.assertEqual(fields.step_count(run.directory), len(loads))
+        self.assertEqual(pdxtools.step_count(run.directory), len(loads))
         self.assertEqual(run.summary["steps"], len(loads))
         self.assertEqual(run.summary["results"]["load_steps_accepted"], len(loads))
         self.assertGreaterEqual(run.summary["results"]["halvings"], 6)

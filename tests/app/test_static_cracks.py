@@ -3,7 +3,7 @@ them, in a patch that stays and in patches that go along with the tips."""
 
 import program
 
-import fields
+import pdxtools
 import numpy as np
 
 SPACING = 1e-5
@@ -93,7 +93,7 @@ class StaticCracks(program.ProgramTest):
 
     def expect_where_bonds_broke(self, run, points):
         """The path goes between particles that lost bonds."""
-        block = fields.read_step(run.directory)[1]["particles"]
+        block = pdxtools.read_step(run.directory)[1]["particles"]
         damaged = block.points[block["damage"] > 0.25, :2]
         for x in points:
             self.assertLess(np.linalg.norm(damaged - x, axis=1).min(), 1.5 * SPACING)

@@ -43,7 +43,7 @@ class Thrown(program.ProgramTest):
                 run = self.throw(CUT, box, ranks)
                 self.assertAlmostEqual(run.summary["results"]["kinetic_energy"], 50.0 * mass, delta=1e-9 * mass)
                 self.assertLess(run.summary["results"]["strain_energy"], 1e-9)
-                blocks = program.fields.read_step(run.directory)[1]
+                blocks = program.pdxtools.read_step(run.directory)[1]
                 moved = blocks["mesh"]["displacement"][:, 1]
                 inside = blocks["mesh"].points[:, 0] < 0.053 if box == LEFT_BOX else blocks["mesh"].points[:, 0] > 0.053
                 self.assertLess(abs(moved[inside] - 2e-5).max(), 1e-14)
@@ -76,7 +76,7 @@ class Thrown(program.ProgramTest):
         run = self.solve(CUT | weight)
         energy = run.summary["results"]["kinetic_energy"]
         self.assertAlmostEqual(energy / (0.5 * RIGHT * 0.02**2), 1.0, delta=0.01)  # cut cells are lumped
-        left = program.fields.read_step(run.directory)[1]["mesh"]
+        left = program.pdxtools.read_step(run.directory)[1]["mesh"]
         self.assertLess(abs(left["displacement"][left.points[:, 0] < 0.053]).max(), 1e-18)
 
     def test_a_half_that_is_held_leaves_the_other_free(self):
@@ -94,7 +94,7 @@ class Thrown(program.ProgramTest):
     def test_a_half_that_is_moved_leaves_the_other_at_rest(self):
         moved = {"-bc_names": "h", "-bc_h_box": LEFT_BOX, "-bc_h_velocity": "0,10"}
         run = self.solve(CUT | moved)
-        right = program.fields.read_step(run.directory)[1]["mesh"]
+        right = program.pdxtools.read_step(run.directory)[1]["mesh"]
         at_rest = right["displacement"][right.points[:, 0] > 0.053]
         self.assertLess(abs(at_rest).max(), 1e-18)
 

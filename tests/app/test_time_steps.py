@@ -5,7 +5,7 @@ Usage: test_time_steps.py PDXSOLVE [unittest arguments].
 
 import h5py
 import program
-from program import SMALL_PATCH, fields
+from program import SMALL_PATCH, pdxtools
 
 # The small plate with a patch, hit at one corner: every frequency moves.
 HIT = SMALL_PATCH | {
@@ -49,7 +49,7 @@ class Limit(program.ProgramTest):
         self.assertLessEqual(run.summary["steps"], 200)
         results = run.summary["results"]
         self.assertLessEqual(results["kinetic_energy"], 2.0 * results["initial_energy"])
-        time, blocks = fields.read_step(run.directory)
+        time, blocks = pdxtools.read_step(run.directory)
         self.assertEqual(time, results["time"])
         for block in blocks.values():
             self.assertLess(abs(block["displacement"]).max(), 0.1)

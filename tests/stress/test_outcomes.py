@@ -11,7 +11,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "app"))
 
 import program
-from program import fields  # scripts/fields.py
+from program import pdxtools
 
 # A cantilever pair like cases/dcb in small: 0.9 x 0.45 mm in 30 x 15 elements, a patch ahead of and around the tip.
 BEAM = {
@@ -126,7 +126,7 @@ class StressTest(program.ProgramTest):
         for row in history:
             self.assertTrue(all(map(math.isfinite, row.values())), row)
         if history:
-            load, blocks = fields.read_step(run.directory)
+            load, blocks = pdxtools.read_step(run.directory)
             self.assertAlmostEqual(load, history[-1]["load"], places=12)
             for name, block in blocks.items():
                 self.assertTrue(all(map(math.isfinite, block["displacement"].ravel())), name)

@@ -71,6 +71,7 @@ struct OutputOptions {
   bool warnings_are_errors = false;
   bool pictures = false; ///< fields were asked for, which a dry run writes anyway
   bool fields = false, history = false, quiet = false;
+  bool vtkhdf = false;       ///< describe the fields as VTKHDF too, at the end
   int interval = 1;          ///< accepted steps from one set of fields to the next; the last is always written
   std::vector<double> times; ///< fields at the steps nearest to them as well, ascending [s]
   int history_interval = 1;  ///< steps from one row of history.csv, and one look at the energies, to the next

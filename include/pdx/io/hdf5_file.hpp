@@ -32,6 +32,8 @@ public:
   void dataset(const std::string& path, std::span<const double> slab, int components);
   void dataset(const std::string& path, std::span<const int> slab, int components); ///< 32-bit integers
   void dataset(const std::string& path, std::span<const std::uint64_t> slab, int components);
+  /// Another name for what stands at `from`; nothing is copied.
+  void link(const std::string& from, const std::string& path);
   /// A text as a table of bytes; rank 0's counts.
   void text(const std::string& path, std::string_view text);
   /// Attaches a value to an existing group or dataset ("/" is the file itself).

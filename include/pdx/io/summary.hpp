@@ -29,6 +29,7 @@ struct Summary {
   std::string case_name;
   std::string status = "running"; ///< "done", "failed", ...
   std::string message;            ///< empty, or why the run failed
+  std::vector<std::string> warnings;
   WallSeconds wall_seconds;
   Unknowns unknowns;
   int hosts = 1; ///< that the ranks are on

@@ -251,6 +251,39 @@ TEST(FieldsFile, PairIsReadableWhileTheRunGoesOn)
   });
 }
 
+TEST(FieldsFile, WhatStaysAsItWasIsKeptOnce)
+{
+  constexpr int kMany = 20000;
+  const World world;
+  const pdx::test::ScratchDirectory scratch(PETSC_COMM_WORLD);
+  FieldsFile file(PETSC_COMM_WORLD, scratch.path());
+  std::vector<OutputBlock> blocks{particles(world, kMany)};
+  std::vector<double> size;
+  for (const double time : {0.0, 1.0, 2.0}) {
+    if (time == 2.0 && world.rank + 1 == world.size)
+      blocks[0].fields[0].values.back() = -1.0; // one of all, on one rank
+    file.write(time, blocks);
+    MPI_Barrier(PETSC_COMM_WORLD);
+    size.push_back(static_cast<double>(std::filesystem::file_size(scratch.path() / "fields.h5")));
+  }
+  EXPECT_EQ(file.bytes_that_stay(), kMany * (3 * 8 + 4 + 4));
+  EXPECT_GE(size[0], kMany * (4 * 8 + 4 + 4));
+  EXPECT_LE(size[1] - size[0], 10000);
+  EXPECT_GE(size[2] - size[1], kMany * 8);
+  EXPECT_LE(size[2] - size[1], kMany * 8 + 10000);
+  on_first_rank(world, [&] {
+    const Reader left(scratch.path() / "fields.h5");
+    for (const char* name : {"points", "natural_point", "cells", "strain_energy_density"}) {
+      const std::string path = std::string("/particles/") + name;
+      const auto first = left.values("/step000000" + path), third = left.values("/step000002" + path);
+      EXPECT_EQ(first, left.values("/step000001" + path)) << path;
+      EXPECT_EQ(first == third, name != std::string("strain_energy_density")) << path;
+    }
+    EXPECT_EQ(left.values("/step000002/particles/strain_energy_density").back(), -1.0);
+    EXPECT_EQ(left.text("/step000001/particles/strain_energy_density", "unit"), "J/m^3");
+  });
+}
+
 TEST(FieldsFile, WrongSizeIsRefusedOnEveryRank)
 {
   const World world;

@@ -1,0 +1,40 @@
+"""Draws the last step of one or more runs: elements, particles or both, clouds, material points, solids seen along z.
+
+usage: {name} OUT_DIR [...] -o picture.png [--kind plate|crack|damage|energy|ranks] [--scale S] [--error linear|log]
+  plate   a row per run: the deformed plate coloured by |u|, and the error against the reference [XPD1 Fig. 5]
+  crack   the deformed mesh, elements that a crack cuts and particles in colours of their own [XPD1 Fig. 11]
+  damage  share of the broken bonds of each particle, elements pale
+  energy  strain energy density of the particles
+  ranks   mesh and particles coloured by the rank that owns them
+"""
+
+import argparse
+import pathlib
+import sys
+
+from . import draw
+from .fields import NotThere
+
+
+def main():
+    name = pathlib.Path(sys.argv[0]).name
+    parser = argparse.ArgumentParser(description=__doc__.format(name=name), formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("runs", nargs="+", metavar="OUT_DIR")
+    parser.add_argument("-o", "--output", required=True, help="picture to write (.png, .pdf, .svg)")
+    parser.add_argument("--kind", choices=list(draw.KINDS), default="plate")
+    parser.add_argument("--step", type=int, default=-1, help="number of the step, from 0, or -1 for the last")
+    parser.add_argument("--scale", type=float, default=0.0, help="magnification of displacements (default: chosen)")
+    parser.add_argument("--error", choices=["auto", "linear", "log"], default="auto", help="colours of the error map")
+    options = parser.parse_args()
+    try:
+        runs = [draw.Run(directory, options.step) for directory in options.runs]
+        draw.draw(options.kind, runs, options.output, draw.Look(options.scale, options.error))
+    except NotThere as error:
+        sys.exit(f"{name}: {error}")
+    except (OSError, IndexError) as error:
+        sys.exit(f"{name}: cannot read the runs: {error}")
+    print(f"wrote {options.output}")
+
+
+if __name__ == "__main__":
+    main()
