@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Draws the last step of one or more runs: elements, particles or both, clouds, material points, solids seen along z.
 
-usage: plot_case.py OUT_DIR [...] -o picture.png [--kind plate|crack|damage|energy|ranks] [--scale S] [--error linear|log]
+usage: plot_case.py OUT_DIR [...] -o picture.png [--kind plate|crack|damage|energy|ranks|motion] [--scale S] [--error linear|log]
   plate   a row per run: the deformed plate coloured by |u|, and the error against the reference [XPD1 Fig. 5]
   crack   the deformed mesh, elements that a crack cuts and particles in colours of their own [XPD1 Fig. 11]
   damage  share of the broken bonds of each particle, elements pale
   energy  strain energy density of the particles
   ranks   mesh and particles coloured by the rank that owns them
+  motion  material points of one run as they are at its steps with fields, or those of --steps, by stress
 """
 import argparse
 import sys
@@ -17,6 +18,7 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the choice of backend)
+import motion_picture  # noqa: E402
 from matplotlib.collections import LineCollection, PolyCollection  # noqa: E402
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, Normalize  # noqa: E402
 from matplotlib.ticker import LogFormatterSciNotation  # noqa: E402
@@ -343,6 +345,16 @@ def ranks(runs, _options):
     return figure
 
 
+def motion(runs, options):
+    try:
+        return motion_picture.picture(runs[0].directory, [int(step) for step in options.steps.split(",") if step])
+    except (ValueError, IndexError) as error:
+        sys.exit(f"plot_case.py: {runs[0].directory}: {error}")
+
+
+KINDS = {"plate": plate, "crack": crack, "damage": damage, "energy": energy, "ranks": ranks, "motion": motion}
+
+
 def panels(rows, columns):
     figure, grid = plt.subplots(rows, columns, figsize=(1.28 * PANEL * columns, 1.1 * PANEL * rows), squeeze=False,
                                 layout="constrained")
@@ -354,17 +366,18 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("runs", nargs="+", metavar="OUT_DIR")
     parser.add_argument("-o", "--output", required=True, help="picture to write (.png, .pdf, .svg)")
-    parser.add_argument("--kind", choices=["plate", "crack", "damage", "energy", "ranks"], default="plate")
+    parser.add_argument("--kind", choices=list(KINDS), default="plate")
     parser.add_argument("--scale", type=float, default=0.0, help="magnification of displacements (default: chosen)")
     parser.add_argument("--error", choices=["auto", "linear", "log"], default="auto", help="colours of the error map")
+    parser.add_argument("--steps", default="", help="of motion: which of the steps with fields, from 0, with commas; -1 is the last")
     options = parser.parse_args()
     try:
         runs = [Run(directory) for directory in options.runs]
     except (OSError, IndexError) as error:
         sys.exit(f"plot_case.py: cannot read the runs: {error}")
     with plt.rc_context(STYLE):
-        figure = {"plate": plate, "crack": crack, "damage": damage, "energy": energy, "ranks": ranks}[options.kind](runs, options)
-        figure.savefig(options.output)
+        figure = KINDS[options.kind](runs, options)
+        figure.savefig(options.output, dpi=110 if options.kind == "motion" else None)
     print(f"wrote {options.output}")
 
 
