@@ -12,6 +12,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, Normalize  
 from matplotlib.ticker import LogFormatterSciNotation  # noqa: E402
 
 from .fields import NotThere, read_step  # noqa: E402
+from .motion import picture as motion_picture  # noqa: E402
 from .records import read_summary  # noqa: E402
 
 STYLE = {"font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 9, "axes.titlesize": 9,
@@ -31,6 +32,7 @@ PREFIXES = [(1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")]
 class Look:
     scale: float = 0.0  # magnification of displacements; 0: chosen
     error: str = "auto"  # colours of the error map: auto, linear, log
+    steps: tuple = ()  # of motion: numbers of the steps that are drawn; none: all
 
 
 class NoElements:
@@ -350,12 +352,16 @@ def panels(rows, columns):
     return figure, grid
 
 
-KINDS = {"plate": plate, "crack": crack, "damage": damage, "energy": energy, "ranks": ranks}
+def motion(runs, options):
+    return motion_picture(runs[0].directory, options.steps)
+
+
+KINDS = {"plate": plate, "crack": crack, "damage": damage, "energy": energy, "ranks": ranks, "motion": motion}
 
 
 def draw(kind, runs, path, look=Look()):
     """Draws runs into a file, whose name says the format."""
     with plt.rc_context(STYLE):
         figure = KINDS[kind](runs, look)
-        figure.savefig(path)
+        figure.savefig(path, dpi=110 if kind == "motion" else None)
         plt.close(figure)

@@ -51,6 +51,7 @@ void add_contact(const SceneOptions& options, std::vector<couple::ContactBody> b
   rule.stiffness = given.stiffness;
   rule.friction = given.friction;
   rule.thickness = options.elastic.thickness;
+  rule.frame = options.frame;
   field::System& system = model.system;
   auto term = std::make_unique<couple::ContactTerm<Dim>>(system.rows, points(), std::move(bodies), rule);
   auto books = std::make_unique<couple::ContactStep<Dim>>(*term);

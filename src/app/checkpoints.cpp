@@ -172,14 +172,15 @@ void Checkpoints::refuse_another(const char* text, const std::string& mine) cons
 void Checkpoints::begin(const Standing& scene, const Layout& layout, solve::TimeDriver& driver, TimeRecorder& recorder)
 {
   stand_on(scene, layout);
-  step_length_ = driver.step_length();
+  step_length_ = step_given_ = driver.step_length();
   sound_ = kept_now(recorder);
   if (!from_) return;
   refuse_another(kScene, tables().scene());
   solve::TimeDriver::Clock clock = clock_of(head_);
   PetscBool given = PETSC_FALSE;
   PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
-  if (given && step_length_ != head_.at("step_length"))
+  step_given_ = head_.contains("step_given") ? head_.at("step_given") : head_.at("step_length");
+  if (given && step_length_ != head_.at("step_length") && step_length_ != step_given_)
     throw UserError(fmt::format("-ts_dt is {:g}, but the steps of {} are {:.17g} s long: give that, or none",
                                 step_length_, options_.restart, head_.at("step_length")));
   step_length_ = head_.at("step_length");
@@ -293,6 +294,7 @@ void Checkpoints::write(const solve::TimeDriver& driver, Kept kept)
   for (const auto& [name, value] : numbers_of(driver.clock())) numbers[name] = value;
   numbers["end"] = driver.end_time();
   numbers["step_length"] = step_length_;
+  numbers["step_given"] = step_given_;
   const std::filesystem::path path = std::filesystem::path(files_.options.output.directory) / kFile;
   const std::filesystem::path part = path.string() + ".part";
   try {

@@ -117,6 +117,9 @@ void judge_grid(const SceneOptions& s)
   if (!updated) return;
   if (s.time.analysis != Analysis::explicit_dynamics)
     throw UserError("-mpm_formulation updated makes its grid anew each step: give -analysis explicit");
+  if (o.given("-mpm_skip_rest"))
+    throw UserError(
+        "-mpm_skip_rest is of -mpm_formulation total: on a grid made anew no cell keeps its points; drop it");
   for (const char* name : {"-contact", "-contact_stiffness", "-contact_friction"})
     if (o.given(name))
       throw UserError(fmt::format(

@@ -1,6 +1,7 @@
 #include "pdx/app/mixed_points.hpp"
 
 #include "pdx/app/body_contact.hpp"
+#include "pdx/app/body_overlap.hpp"
 #include "pdx/app/seeds.hpp"
 #include "pdx/app/settle.hpp"
 #include "pdx/app/thrown_bodies.hpp"
@@ -141,6 +142,7 @@ std::shared_ptr<const PointPlan<2>> settle_mixed(MPI_Comm comm, SceneOptions& op
   MPI_Bcast(first, 2, MPI_INT, 0, comm);
   plan->first_cell = first[0];
   plan->first_node = first[1];
+  if (elements && options.points.contact.active) refuse_overlap(comm, *plan, options.frame);
   double corners[] = {plan->mesh.box.lower[0], plan->mesh.box.lower[1], plan->mesh.box.upper[0],
                       plan->mesh.box.upper[1]};
   MPI_Bcast(corners, 4, MPI_DOUBLE, 0, comm);
@@ -194,6 +196,7 @@ void add_points(const mesh::Mesh& mesh, const SceneOptions& options, const Patch
   }
   auto term =
       std::make_unique<mpm::PointTerm<2>>(d.system.rows, std::move(cells), plan.materials(), options.points.viscosity);
+  term->skip_rest(options.points.skips_rest);
   d.points = term.get();
   d.material_points = term->points();
   MPI_Allreduce(MPI_IN_PLACE, &d.material_points, 1, MPI_INT64_T, MPI_SUM, mesh.comm());

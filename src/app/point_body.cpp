@@ -9,12 +9,14 @@
 
 namespace pdx::app {
 namespace {
-template <int Dim> void add_points(const PointPlan<Dim>& plan, double viscosity, PointBody<Dim>& body)
+template <int Dim> void add_points(const PointPlan<Dim>& plan, const PointOptions& options, PointBody<Dim>& body)
 {
   std::vector<mpm::PointCell<Dim>> cells;
   for (const auto& cell : std::span(body.grid.cells).first(body.grid.owned))
     cells.push_back({cell.body, cell.rows, plan.bodies[static_cast<std::size_t>(cell.body)].points_in(cell.at)});
-  auto term = std::make_unique<mpm::PointTerm<Dim>>(body.system.rows, std::move(cells), plan.materials(), viscosity);
+  auto term =
+      std::make_unique<mpm::PointTerm<Dim>>(body.system.rows, std::move(cells), plan.materials(), options.viscosity);
+  term->skip_rest(options.skips_rest);
   body.term = term.get();
   body.system.terms.push_back(std::move(term));
 }
@@ -46,7 +48,7 @@ std::unique_ptr<PointBody<Dim>> discretise(const SceneOptions& options, const Po
   body->system.rows = body->grid.rows;
   for (const Vector<Dim>& x : body->grid.place)
     body->system.coordinates.insert(body->system.coordinates.end(), x.begin(), x.end());
-  add_points(plan, options.points.viscosity, *body);
+  add_points(plan, options.points, *body);
   throw_bodies<Dim>(options.points, plan, body->grid.body, body->system);
   add_contact<Dim>(
       options, touching_bodies(plan), [&] { return surface_points<Dim>(plan, body->owned_cells(), *body->term); },

@@ -3,6 +3,7 @@
 #include "pdx/app/grid_body.hpp"
 #include "pdx/app/scene_options.hpp"
 #include "pdx/app/seeds.hpp"
+#include "pdx/mesh/gmsh.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,7 @@
 
 namespace pdx::app {
 namespace {
-constexpr const char* kShapes[] = {"box", "disc", "sphere", "polygon", "file"};
+constexpr const char* kShapes[] = {"box", "disc", "sphere", "polygon", "mesh", "file"};
 constexpr int kMostSites = 64; // of a cell: one bit each
 
 /// As many numbers as an option has, or none.
@@ -56,7 +57,22 @@ void read_polygon(Options& o, const std::string& stem, PointShape& shape)
       numbers(o, stem + "_polygon", 0, "corners of a polygon in order: x0,y0,x1,y1,x2,y2,...");
   if (v.size() % 2 || (!v.empty() && v.size() < 6))
     throw UserError(fmt::format("{}_polygon has {} numbers: must be x,y of three corners or more", stem, v.size()));
-  for (std::size_t k = 0; k < v.size(); k += 2) shape.polygon.emplace_back(v[k], v[k + 1]);
+  for (std::size_t k = 0; k < v.size(); k += 2) {
+    const std::size_t next = (k + 2) % v.size();
+    shape.border.push_back({Vector<2>(v[k], v[k + 1]), Vector<2>(v[next], v[next + 1])});
+  }
+}
+
+void read_region(Options& o, const std::string& stem, bool describe, PointShape& shape)
+{
+  const std::string file =
+      o.text(stem + "_mesh", "", "a Gmsh mesh of cells of three or four nodes, filled with points");
+  const std::string region = o.text(stem + "_region", "", "its physical surface that is filled; all of it by default");
+  if (describe) return;
+  if (!file.empty())
+    shape.border = mesh::read_gmsh_border(stem + "_mesh", file, region);
+  else if (!region.empty())
+    throw UserError(fmt::format("{0}_region is of a {0}_mesh, and there is none: give it, or drop this", stem));
 }
 
 PointShape read_shape(Options& o, const std::string& stem, bool solid, bool describe)
@@ -69,20 +85,22 @@ PointShape read_shape(Options& o, const std::string& stem, bool solid, bool desc
                                                "left out"));
   shape.sphere = ball_of(stem + "_sphere", numbers(o, stem + "_sphere", 4, "solid: a sphere: x,y,z,radius"));
   read_polygon(o, stem, shape);
+  read_region(o, stem, describe, shape);
   shape.file = o.text(stem + "_file", "", "points on a lattice from a file *.csv or *.h5, as of -pd_cloud");
-  const std::vector<double> z = numbers(o, stem + "_depth", 2, "solid: where disc or polygon begin and end along z");
+  const std::vector<double> z =
+      numbers(o, stem + "_depth", 2, "solid: where disc, polygon or region begin and end along z");
   if (describe) return shape;
   std::vector<std::string> given;
   for (const char* kind : kShapes)
     if (o.given(stem + "_" + kind)) given.push_back(fmt::format("{}_{}", stem, kind));
   if (given.size() != 1)
     throw UserError(fmt::format("{0}: a body of points needs one shape: give one of {0}_box, _disc, _sphere, "
-                                "_polygon, _file{1}",
+                                "_polygon, _mesh, _file{1}",
                                 stem, given.empty() ? "" : fmt::format("; there are {}", fmt::join(given, " and "))));
-  const bool plane = shape.disc || !shape.polygon.empty();
+  const bool plane = shape.disc || !shape.border.empty();
   if (shape.sphere && !solid) throw UserError(stem + "_sphere is of space: give -material_plane solid, or _disc");
   if (!z.empty() && !(solid && plane))
-    throw UserError(stem + "_depth is of discs and polygons in space (-material_plane solid): drop it");
+    throw UserError(stem + "_depth is of discs, polygons and regions in space (-material_plane solid): drop it");
   if (solid && plane && z.empty())
     throw UserError(stem + "_depth is missing: give z0,z1 in m, where the body begins and ends along z");
   if (z.empty()) return shape;
@@ -162,7 +180,8 @@ PointShape PointShape::inside(const geom::Frame& frame) const
   if (disc) moved.disc->centre = frame.inside(disc->centre);
   if (sphere) moved.sphere->centre = frame.inside(sphere->centre);
   if (hole) moved.hole->centre = frame.inside(hole->centre);
-  for (Vector<2>& x : moved.polygon) x = frame.inside(x);
+  for (auto& edge : moved.border)
+    for (Vector<2>& x : edge) x = frame.inside(x);
   if (z_lower < z_upper) {
     moved.z_lower = frame.inside(Vector<3>(0.0, 0.0, z_lower))[2];
     moved.z_upper = frame.inside(Vector<3>(0.0, 0.0, z_upper))[2];
@@ -179,10 +198,10 @@ geom::Box<3> PointShape::around() const
   } else {
     constexpr double far = std::numeric_limits<double>::max();
     all = {Vector<3>::Constant(far), Vector<3>::Constant(-far)};
-    for (const Vector<2>& x : polygon)
-      for (Eigen::Index d = 0; d < 2; ++d) {
-        all.lower[d] = std::min(all.lower[d], x[d]);
-        all.upper[d] = std::max(all.upper[d], x[d]);
+    for (const auto& edge : border)
+      for (const Vector<2>& x : edge) {
+        all.lower.head<2>() = all.lower.head<2>().cwiseMin(x).eval();
+        all.upper.head<2>() = all.upper.head<2>().cwiseMax(x).eval();
       }
   }
   if (!sphere) {
@@ -240,6 +259,8 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
   points.viscosity = o.real("-mpm_bulk_viscosity", 0.0, "-",
                             "explicit: linear bulk viscosity b, pressure b rho c_L h against what shrinks or grows",
                             Range::at_least(0.0));
+  points.skips_rest = o.boolean("-mpm_skip_rest", true,
+                                "explicit, total: cells of points that have not moved are left out; changes no result");
   for (const std::string& name : names) {
     if (std::count(names.begin(), names.end(), name) > 1)
       throw UserError(fmt::format("-mpm_bodies lists {} twice: names must differ", name));
@@ -248,7 +269,7 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
   static_assert(4 * 4 * 4 <= kMostSites && 8 * 8 <= kMostSites);
   if (!describe && points.bodies.empty())
     for (const char* name : {"-mpm_spacing", "-mpm_formulation", "-mpm_law", "-mpm_cell_ratio", "-mpm_bulk_viscosity",
-                             "-mpm_order", "-mpm_shape", "-mpm_pic"})
+                             "-mpm_order", "-mpm_shape", "-mpm_pic", "-mpm_skip_rest"})
       if (o.given(name))
         throw UserError(fmt::format("{} is of material points, and there are none: give -mpm_bodies", name));
   points.contact = ContactOptions::read(points.any(), describe);

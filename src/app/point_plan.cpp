@@ -1,5 +1,6 @@
 #include "pdx/app/point_plan.hpp"
 
+#include "pdx/app/body_overlap.hpp"
 #include "pdx/app/point_shapes.hpp"
 #include "pdx/app/settle.hpp"
 #include "pdx/mesh/gmsh.hpp"
@@ -240,6 +241,7 @@ template <int Dim> PointPlan<Dim> plan_points(SceneOptions& options, double edge
   for (const PointBodyOptions& body : options.points.bodies)
     plan.bodies.push_back(
         body_of<Dim>(body, {body.elastic, options.points.law, body.spacing, options.points.ratio}, options.frame));
+  if (options.points.contact.active) refuse_overlap(plan, options.frame);
   lay_columns(options, plan);
   return plan;
 }

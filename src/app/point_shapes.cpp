@@ -3,11 +3,13 @@
 #include "pdx/base/error.hpp"
 #include "pdx/pd/cloud.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <limits>
 #include <set>
+#include <unordered_map>
 
 namespace pdx::app {
 namespace {
@@ -62,23 +64,38 @@ mpm::Body<Dim> round_body(const PointBodyOptions& body, const mpm::BodyMaterial&
   });
 }
 
-/// Does a ray along x from the point cross the border an odd number of times?
-bool is_within(const std::vector<Vector<2>>& polygon, const Vector<2>& x)
-{
-  bool within = false;
-  for (std::size_t k = 0, before = polygon.size() - 1; k < polygon.size(); before = k++) {
-    const Vector<2>&a = polygon[before], &b = polygon[k];
-    if ((a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (x[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) within = !within;
-  }
-  return within;
-}
+/// What a border of edges encloses, row by row: edges that cross a row are looked for once.
+class Enclosed {
+public:
+  explicit Enclosed(const std::vector<std::array<Vector<2>, 2>>& border) : border_(border) {}
 
-template <int Dim> mpm::Body<Dim> polygon_body(const PointBodyOptions& body, const mpm::BodyMaterial& material)
+  /// Does a ray along x from the point cross the border an odd number of times?
+  bool operator()(const Vector<2>& x)
+  {
+    const auto [row, fresh] = crossings_.try_emplace(x[1]);
+    if (fresh) find(x[1], row->second);
+    return (row->second.end() - std::ranges::upper_bound(row->second, x[0])) % 2 != 0;
+  }
+
+private:
+  void find(double y, std::vector<double>& at) const
+  {
+    for (const auto& [a, b] : border_)
+      if ((a[1] > y) != (b[1] > y)) at.push_back(a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]));
+    std::ranges::sort(at);
+  }
+
+  const std::vector<std::array<Vector<2>, 2>>& border_;
+  std::unordered_map<double, std::vector<double>> crossings_; // places along x, ascending, by y [m]
+};
+
+template <int Dim> mpm::Body<Dim> enclosed_body(const PointBodyOptions& body, const mpm::BodyMaterial& material)
 {
   const geom::Box<3> box = body.shape.around();
   if (Dim == 3) require_fit(body, box.size()[2], "the depth");
+  Enclosed inside(body.shape.border);
   return mpm::fill_body<Dim>(body.name, material, in_dimensions<Dim>(box), [&](const Vector<Dim>& x) {
-    return is_within(body.shape.polygon, x.template head<2>()) && (Dim == 2 || x[Dim - 1] < box.upper[2]);
+    return inside(x.template head<2>()) && (Dim == 2 || x[Dim - 1] < box.upper[2]);
   });
 }
 
@@ -146,7 +163,7 @@ mpm::Body<Dim> whole_body(const PointBodyOptions& options, const mpm::BodyMateri
   if (shape.box) return box_body<Dim>(options, material);
   if (shape.disc) return round_body<Dim>(options, material, *shape.disc, 2);
   if (shape.sphere) return round_body<Dim>(options, material, *shape.sphere, 3);
-  if (!shape.polygon.empty()) return polygon_body<Dim>(options, material);
+  if (!shape.border.empty()) return enclosed_body<Dim>(options, material);
   return file_body<Dim>(options, material, frame);
 }
 } // namespace

@@ -43,7 +43,10 @@ void run(MPI_Comm comm, double begin)
   refuse_reference_options(options);
   if (!options.time.dynamic()) (void)wants_assembled(options); // refuses before anything is built
   if (options.pd.cloud.empty() && !options.points.any()) settle(comm, options);
-  if (options.output.dry_run) options.pd.skip_tolerance = -1.0; // what rests now will move
+  if (options.output.dry_run) { // what rests now will move
+    options.pd.skip_tolerance = -1.0;
+    options.points.skips_rest = false;
+  }
   RunFiles files(comm, options, begin);
   for (const auto& warnings : {options.warnings, option_warnings(options)})
     for (const std::string& warning : warnings) files.warn(warning);

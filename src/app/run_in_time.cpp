@@ -3,6 +3,7 @@
 #include "pdx/adapt/energy_trial.hpp"
 #include "pdx/adapt/hand_back.hpp"
 #include "pdx/app/checkpoints.hpp"
+#include "pdx/app/contact_watch.hpp"
 #include "pdx/app/dry_run.hpp"
 #include "pdx/app/load_balance.hpp"
 #include "pdx/app/patch_mover.hpp"
@@ -19,7 +20,7 @@ namespace pdx::app {
 namespace {
 using Verdict = solve::TimeDriver::Verdict;
 constexpr double kMostRise = 2e-4; // of the strain energy, by one element that particles become
-constexpr int kBorderSteps = 20;   // from one look at the border of patches that stay to the next
+constexpr int kBorderSteps = 20;   // from one look at the border of patches that stay, or at contact, to the next
 
 /// What steps a scene through time and records it, with checkpoints where steps are explicit. A scene and its driver
 /// live for one layout; files, recorders and checkpoints outlive them.
@@ -88,7 +89,9 @@ private:
       driver_ = std::make_unique<solve::ImplicitDriver>(scene_->system());
     else
       driver_ = std::make_unique<solve::ExplicitDriver>(
-          scene_->system(), solve::ExplicitOptions{limits_.rigorous, time.safety, time.allow_unstable});
+          scene_->system(),
+          solve::ExplicitOptions{limits_.rigorous, time.safety, time.allow_unstable, begun_ || goes_on()});
+    begun_ = true;
     files_.velocity = driver_->v();
   }
 
@@ -99,6 +102,7 @@ private:
       return driver_->run([&] {
         recorder_.after_step(*driver_);
         watch_border();
+        watch_contact();
         if (!checkpoints_) {
           look_();
           return Verdict::go_on;
@@ -123,6 +127,14 @@ private:
     const int step = driver_->step();
     if (mover_.watches() && (step % kBorderSteps == 0 || step == driver_->expected_steps()))
       files_.warn(mover_.border(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds));
+  }
+
+  /// Tells when bodies are about to go through each other.
+  void watch_contact()
+  {
+    const int step = driver_->step();
+    if (step % kBorderSteps && step != driver_->expected_steps()) return;
+    for (const std::string& warning : contact_.look(files_.comm(), *files_.scene.model)) files_.warn(warning);
   }
 
   /// Is all to be made anew, the mesh to be cut anew for it, or patches to move?
@@ -221,9 +233,7 @@ private:
       solve::keep_momentum(driver_->moving(), is_new, momentum, moving.v);
       driver_->resume_changed(clock, moving);
       if (checkpoints_) checkpoints_->step_is(driver_->step_length());
-      if (driver_->step_length() < clock.length)
-        files_.progress.line(fmt::format("step {}: steps of {:.4g} s from here, for the particles that came",
-                                         driver_->step(), driver_->step_length()));
+      if (driver_->step_length() < clock.length) tell_shorter(clock.length);
     } else
       driver_->resume(clock, move.moving());
     breaker = scene_->standing().model->breaker;
@@ -238,6 +248,20 @@ private:
                     "be {:.2f}",
                     driver_->step(), balance_.imbalance(), files_.scene.mesh->quality().imbalance));
     balance_.changed(*driver_, files_.scene.mesh->quality().imbalance);
+  }
+
+  /// Steps have become shorter: a given length is kept no more, which is worth a warning.
+  void tell_shorter(double before)
+  {
+    const std::string text = fmt::format("step {}: steps of {:.4g} s from here, for the particles that came",
+                                         driver_->step(), driver_->step_length());
+    PetscBool given = PETSC_FALSE;
+    PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
+    if (given)
+      files_.warn(fmt::format("{}: the -ts_dt of {:g} s is above the stable limit beside them, {:.4g} s", text, before,
+                              limits_.rigorous));
+    else
+      files_.progress.line(text);
   }
 
   void count_changes()
@@ -264,9 +288,11 @@ private:
   StopLook look_; // of implicit steps
   LoadBalance balance_;
   PatchMover mover_;
+  ContactWatch contact_;
   std::optional<Checkpoints> checkpoints_;
   adapt::LayoutChange change_; // to come
   Dormant dormant_;
+  bool begun_ = false;  // a driver was there
   bool uneven_ = false; // the change to come is for the balance
   std::optional<mesh::MeasuredCosts> costs_;
   std::unique_ptr<Scene> scene_;

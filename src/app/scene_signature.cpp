@@ -25,7 +25,8 @@ constexpr std::string_view kMayChange[] = {"-output_",
                                            "-restart", // what is written
                                            "-layout_renew_interval",
                                            "-adapt_border",
-                                           "-rebalance_", // what is the same with and without
+                                           "-rebalance_",
+                                           "-mpm_skip_rest", // what is the same with and without
                                            "-ts_",
                                            "-analysis",
                                            "-load_",       // when it ends; the length of steps is compared apart

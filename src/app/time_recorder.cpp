@@ -1,6 +1,7 @@
 #include "pdx/app/time_recorder.hpp"
 
 #include "pdx/app/run_record.hpp"
+#include "pdx/law/solid_law.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,19 @@
 namespace pdx::app {
 namespace {
 constexpr double kHalf = 0.5 + 1e-6; // of a step: a time midway between two belongs to the first, whatever rounding
+
+/// In which sound crosses a cell of material points, the shortest of all bodies; 0 without them [s].
+double acoustic_step(const SceneOptions& options)
+{
+  double shortest = 0.0;
+  for (const PointBodyOptions& body : options.points.bodies) {
+    const double speed = options.solid ? law::Corotational<3>(body.elastic).wave_speed(Tensor<3>::Zero())
+                                       : law::Corotational<2>(body.elastic).wave_speed(Tensor<2>::Zero());
+    const double step = options.points.ratio * body.spacing / speed;
+    shortest = shortest > 0.0 ? std::min(shortest, step) : step;
+  }
+  return shortest;
+}
 } // namespace
 
 void TimeRecorder::built(const Standing& scene)
@@ -51,9 +65,11 @@ void TimeRecorder::started(const solve::TimeDriver& driver, const StepLimits& li
   limits_ = limits;
   first_step_ = driver.step();
   files_.started();
+  const double acoustic = acoustic_step(files_.options);
   files_.progress.line(fmt::format(
-      "{} steps of {:.4g} s; stable limit {:.4g} s{}", driver.expected_steps(), driver.step_length(), limits.rigorous,
-      limits.papers > 0.0 ? fmt::format(", the papers' Eq. 26 {:.4g} s", limits.papers) : ""));
+      "{} steps of {:.4g} s; stable limit {:.4g} s{}{}", driver.expected_steps(), driver.step_length(), limits.rigorous,
+      limits.papers > 0.0 ? fmt::format(", the papers' Eq. 26 {:.4g} s", limits.papers) : "",
+      acoustic > 0.0 ? fmt::format(", sound crosses a cell of points in {:.4g} s", acoustic) : ""));
   if (cracks_ && !cracks_->looked()) cracks_->look(driver.time(), 0);
   files_.begin_probes(driver.step(), driver.time(), driver.displacement());
   begin_ = MPI_Wtime();
@@ -62,8 +78,8 @@ void TimeRecorder::started(const solve::TimeDriver& driver, const StepLimits& li
 std::optional<CrackNotes> TimeRecorder::leave_scene(const solve::TimeDriver& driver)
 {
   left_ = energies(driver).total();
-  tiles_.computed += d_->tiles().computed;
-  tiles_.skipped += d_->tiles().skipped;
+  tiles_ += d_->tiles();
+  cells_ += d_->cells_of_points();
   return cracks_ ? cracks_->notes() : std::nullopt;
 }
 
@@ -213,6 +229,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
   results["step_length"] = driver.step_length();
   results["stable_step"] = limits_.rigorous;
   if (limits_.papers > 0.0) results["stable_step_papers"] = limits_.papers;
+  if (const double acoustic = acoustic_step(files_.options); acoustic > 0.0) results["stable_step_acoustic"] = acoustic;
   results["kinetic_energy"] = e.kinetic();
   results["strain_energy"] = e.stored.elastic();
   results["strain_energy_elements"] = e.stored.elements;
@@ -228,6 +245,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
     results["viscous_energy"] = e.stored.viscous;
   }
   write_tiles();
+  write_cells();
   if (d_->breaker) {
     results["fracture_energy"] = e.stored.dissipated;
     results["critical_stretch"] = d_->critical_stretch;
@@ -253,10 +271,25 @@ void TimeRecorder::write_tiles()
 {
   if (files_.summary.unknowns.pd == 0 || files_.scene.cloud) return;
   if (files_.options.time.analysis != Analysis::explicit_dynamics) return;
-  std::int64_t tiles[] = {tiles_.computed + d_->tiles().computed, tiles_.skipped + d_->tiles().skipped};
+  Model::Tiles all = tiles_;
+  all += d_->tiles();
+  std::int64_t tiles[] = {all.computed, all.skipped};
   MPI_Allreduce(MPI_IN_PLACE, tiles, 2, MPI_INT64_T, MPI_SUM, files_.comm());
   files_.summary.results["pd_tiles_computed"] = tiles[0];
   files_.summary.results["pd_tiles_skipped"] = tiles[1];
+}
+
+/// Cells of material points in all passes of an explicit run.
+void TimeRecorder::write_cells()
+{
+  if (files_.options.time.analysis != Analysis::explicit_dynamics) return;
+  Model::Tiles cells = cells_;
+  cells += d_->cells_of_points();
+  std::int64_t counts[] = {cells.computed, cells.skipped};
+  MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, files_.comm());
+  if (counts[0] + counts[1] == 0) return;
+  files_.summary.results["mpm_cells_computed"] = counts[0];
+  files_.summary.results["mpm_cells_skipped"] = counts[1];
 }
 
 void TimeRecorder::finish(const solve::TimeDriver& driver)

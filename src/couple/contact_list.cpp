@@ -42,12 +42,15 @@ void ContactList<Dim>::choose(const ContactSkin<Dim>& skin, const ContactLaw<Dim
     double reach;
   };
   std::vector<std::vector<Partner>> partners(boxes_.size());
+  gaps_.clear();
   for (const auto& pair : law.pairs()) {
+    gaps_.push_back(std::numeric_limits<double>::infinity());
     const Box &a = boxes_[static_cast<std::size_t>(pair[0])], &b = boxes_[static_cast<std::size_t>(pair[1])];
     if (a.empty || b.empty) continue;
     const double size_a = skin.sizes(pair[0]).back(), size_b = skin.sizes(pair[1]).back();
     const double reach = std::max(reach_of<Dim>(size_a, size_b), reach_of<Dim>(size_b, size_a));
     const Vector<Dim> apart = (a.lower - b.upper).cwiseMax(b.lower - a.upper).cwiseMax(0.0);
+    gaps_.back() = apart.norm();
     gap = std::min(gap, apart.norm() - reach);
     if (!(apart.norm() <= reach + beyond)) continue;
     reach_ = std::max(reach_, reach + beyond);

@@ -31,12 +31,12 @@ void find_overlap(const ContactSkin<Dim>& skin, std::span<const Index> facets, I
 template <int Dim> void refuse(const ContactSkin<Dim>& skin, const ContactLaw<Dim>& law, const Overlap& overlap)
 {
   const SkinPoint<Dim>&a = skin.point(overlap.a), &b = skin.point(overlap.b);
+  const Vector<Dim> x = law.options().frame.given(a.place), y = law.options().frame.given(b.place);
   const auto name = [&](const SkinPoint<Dim>& p) { return law.bodies()[static_cast<std::size_t>(p.body)].name; };
   throw UserError(fmt::format("bodies {} and {} overlap at the start: points at ({:g}) and ({:g}) are {:.6g} m apart, "
                               "and need {:.6g} m; move the bodies apart",
-                              name(a), name(b), fmt::join(a.place.data(), a.place.data() + Dim, ", "),
-                              fmt::join(b.place.data(), b.place.data() + Dim, ", "), overlap.distance,
-                              0.5 * (a.size + b.size)));
+                              name(a), name(b), fmt::join(x.data(), x.data() + Dim, ", "),
+                              fmt::join(y.data(), y.data() + Dim, ", "), overlap.distance, 0.5 * (a.size + b.size)));
 }
 } // namespace
 

@@ -52,7 +52,8 @@ bool before(const auto& a, const auto& b) { return a.point != b.point ? a.point 
 template <int Dim>
 ContactTerm<Dim>::ContactTerm(const field::Rows& rows, std::span<const SurfacePoint<Dim>> mine,
                               std::vector<ContactBody> bodies, ContactOptions options)
-    : rows_(rows), law_(std::move(bodies), std::move(options)), pair_forces_(law_.pairs().size(), Vector<Dim>::Zero())
+    : rows_(rows), law_(std::move(bodies), std::move(options)), pair_forces_(law_.pairs().size(), Vector<Dim>::Zero()),
+      depths_(law_.pairs().size(), 0.0), approaches_(depths_)
 {
   GatheredSurface<Dim> all(rows.comm, mine, law_);
   skin_ = ContactSkin<Dim>(std::move(all.points), static_cast<Index>(law_.bodies().size()));
@@ -127,6 +128,21 @@ template <int Dim> void ContactTerm<Dim>::follow(std::span<const double> u) cons
   for (std::size_t k = 0; k < surface_rows_.size(); ++k)
     std::copy_n(u.data() + static_cast<std::size_t>(surface_rows_[k]) * Dim, Dim, listed_at_.data() + k * Dim);
   listed_ = true;
+  note_approach();
+}
+
+/// Steps are told by forces, one each; where the list was not searched before, nothing is known.
+template <int Dim> void ContactTerm<Dim>::note_approach() const
+{
+  const std::span<const double> now = list_.gaps();
+  for (std::size_t k = 0; k < gaps_.size() && forces_since_ > 0; ++k) {
+    if (!std::isfinite(now[k])) continue;
+    const auto [a, b] = law_.pairs()[k];
+    const double d0 = 0.5 * (skin_.sizes(a).front() + skin_.sizes(b).front());
+    approaches_[k] = std::max(approaches_[k], (gaps_[k] - now[k]) / (forces_since_ * d0));
+  }
+  gaps_.assign(now.begin(), now.end());
+  forces_since_ = 0;
 }
 
 template <int Dim> double ContactTerm<Dim>::offset(const Near& near) const
@@ -173,8 +189,9 @@ template <int Dim> void ContactTerm<Dim>::add_residual(std::span<const double> u
 {
   std::ranges::fill(pair_forces_, Vector<Dim>::Zero());
   next_grips_.clear();
-  slip_work_ = deepest_ = 0.0;
+  slip_work_ = 0.0;
   if (points() == 0) return;
+  ++forces_since_;
   follow(u);
   if (list_.near().empty() && grips_.empty()) return;
   static Event event("contact_force");
@@ -205,9 +222,10 @@ void ContactTerm<Dim>::push(const Near& near, const Touch<Dim>& touch, double k,
   }
   if (!counts(near.point)) return;
   if (traction) slip_work_ += stick * traction->slip_energy;
-  deepest_ = std::max(deepest_, touch.overlap / (touch.overlap + touch.distance));
   const Index body = skin_.point(near.point).body;
-  Vector<Dim>& pair = pair_forces_[static_cast<std::size_t>(law_.pair(body, near.body))];
+  const auto at = static_cast<std::size_t>(law_.pair(body, near.body));
+  depths_[at] = std::max(depths_[at], touch.overlap / (touch.overlap + touch.distance));
+  Vector<Dim>& pair = pair_forces_[at];
   pair += body < near.body ? Vector<Dim>(-force) : force;
 }
 

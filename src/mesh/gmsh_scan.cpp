@@ -18,7 +18,7 @@ struct Kind {
   int dimension;
 };
 
-Kind kind_of(const GmshSource& source, std::int64_t type)
+Kind kind_of(const GmshSource& source, std::int64_t type, GmshCells cells)
 {
   constexpr std::int64_t kLines[] = {1, 8, 26, 27, 28}; // of 2, 3 ... nodes, the ends first
   constexpr std::int64_t kTriangle = 2, kQuadrilateral = 3, kPoint = 15;
@@ -27,6 +27,7 @@ Kind kind_of(const GmshSource& source, std::int64_t type)
   if (type == kQuadrilateral) return {4, 2};
   if (const auto* line = std::find(std::begin(kLines), std::end(kLines), type); line != std::end(kLines))
     return {2 + static_cast<std::size_t>(line - kLines), 1};
+  if (type == kTriangle && cells == GmshCells::any) return {3, 2};
   if (type == kTriangle) source.refuse("has triangles; only four-node cells are known: recombine the surface in Gmsh");
   if (std::find(std::begin(kHigherOrder), std::end(kHigherOrder), type) != std::end(kHigherOrder))
     source.refuse("has elements of higher order; only four-node cells are known: set Mesh.ElementOrder = 1 in Gmsh");
@@ -37,7 +38,7 @@ Kind kind_of(const GmshSource& source, std::int64_t type)
 
 class Scan {
 public:
-  explicit Scan(GmshSource& source) : source_(source) {}
+  Scan(GmshSource& source, GmshCells cells) : source_(source), cells_(cells) {}
 
   GmshFile read()
   {
@@ -46,7 +47,10 @@ public:
       if (!seen_.contains(needed))
         source_.refuse(needed == "$MeshFormat" ? "this is no Gmsh file: give one of format 2.2 or 4.1"
                                                : fmt::format("there is no {} section: write the file again", needed));
-    if (blocks_) name_lines();
+    if (blocks_) {
+      name_lines();
+      name_cells();
+    }
     return std::move(file_);
   }
 
@@ -122,6 +126,7 @@ private:
       if (dimension == 1 && name == "unnamed")
         source_.refuse("a physical curve is called \"unnamed\", as are all edges without a name: choose another name");
       if (dimension == 1) file_.curve_names[tag] = name;
+      if (dimension == 2) file_.surface_names[tag] = name;
     }
   }
 
@@ -243,7 +248,7 @@ private:
     const std::size_t total = source_.count(given, 3);
     for (std::size_t read = 0; read < total;) {
       if (!binary()) (void)source_.small(); // number of the element
-      const Kind kind = kind_of(source_, source_.small());
+      const Kind kind = kind_of(source_, source_.small(), cells_);
       const std::size_t alike = binary() ? source_.count(source_.small(), kind.nodes + 1) : 1;
       const std::size_t tags = source_.count(source_.small(), 1);
       if (alike == 0 || alike > total - read) source_.refuse("a block of elements is longer than all: write it again");
@@ -278,6 +283,7 @@ private:
         source_.refuse(fmt::format("an element has node {}, which is not in $Nodes: write the file again", wanted));
       if (k < corners.size()) corners[k] = static_cast<std::size_t>(found - file_.nodes.begin());
     }
+    if (kind.nodes == 3) corners[3] = corners[2];
     return corners;
   }
 
@@ -291,7 +297,7 @@ private:
     for (std::size_t block = 0; block < blocks; ++block) {
       const std::int64_t dimension = read_dimension();
       const std::int64_t entity = source_.small();
-      const Kind kind = kind_of(source_, source_.small());
+      const Kind kind = kind_of(source_, source_.small(), cells_);
       if (kind.dimension != dimension)
         source_.refuse(fmt::format("elements of dimension {} in an entity of dimension {}: write the file again",
                                    kind.dimension, dimension));
@@ -324,7 +330,14 @@ private:
     }
   }
 
+  void name_cells()
+  {
+    for (const auto& [entity, groups] : groups_)
+      if (entity.first == 2) file_.surface_groups[entity.second] = groups;
+  }
+
   GmshSource& source_;
+  GmshCells cells_;
   GmshFile file_;
   bool blocks_ = false;                             // 4.1
   std::set<std::string_view> seen_;                 // of kSections
@@ -333,5 +346,5 @@ private:
 };
 } // namespace
 
-GmshFile scan_gmsh(GmshSource& source) { return Scan(source).read(); }
+GmshFile scan_gmsh(GmshSource& source, GmshCells cells) { return Scan(source, cells).read(); }
 } // namespace pdx::mesh

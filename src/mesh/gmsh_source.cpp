@@ -16,9 +16,9 @@ namespace {
 bool blank(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
 bool line_end(char c) { return c == '\n' || c == '\r'; }
 
-std::string whole_file(const std::string& file)
+std::string whole_file(const std::string& option, const std::string& file)
 {
-  const auto refuse = [&file](const char* what) { throw UserError(fmt::format("-mesh_file {}: {}", file, what)); };
+  const auto refuse = [&](const char* what) { throw UserError(fmt::format("{} {}: {}", option, file, what)); };
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) refuse("there is no such file: check the path");
@@ -44,7 +44,8 @@ std::string shown(std::string_view word)
   return word.size() > kLongest ? text + "..." : text;
 }
 
-GmshSource::GmshSource(std::string file) : file_(std::move(file)), bytes_(whole_file(file_))
+GmshSource::GmshSource(std::string file, std::string option)
+    : option_(std::move(option)), file_(std::move(file)), bytes_(whole_file(option_, file_))
 {
   if (bytes_.starts_with("\xef\xbb\xbf")) here_ = 3;
 }
@@ -59,7 +60,7 @@ std::string GmshSource::where(std::size_t place) const
   return fmt::format("line {}", line);
 }
 
-std::string GmshSource::name() const { return fmt::format("-mesh_file {}", file_); }
+std::string GmshSource::name() const { return fmt::format("{} {}", option_, file_); }
 
 void GmshSource::refuse(const std::string& what) const { refuse_at(last_, what); }
 

@@ -11,9 +11,9 @@ namespace pdx::mesh {
 class GmshSource {
 public:
   /// Reads a regular file; skips a UTF-8 mark. Throws UserError.
-  explicit GmshSource(std::string file);
+  explicit GmshSource(std::string file, std::string option = "-mesh_file");
 
-  std::string name() const; ///< "-mesh_file FILE"
+  std::string name() const; ///< "-mesh_file FILE", or another option
   [[noreturn]] void refuse(const std::string& what) const;
   [[noreturn]] void refuse_at(std::size_t place, const std::string& what) const; ///< @param place of `here`
   std::size_t here() const { return last_; }                                     ///< place of what was read last
@@ -42,7 +42,7 @@ private:
   void skip_blanks();
   std::string where(std::size_t place) const;
 
-  std::string file_, bytes_;
+  std::string option_, file_, bytes_;
   std::size_t here_ = 0, last_ = 0;
   bool binary_ = false;
 };

@@ -9,6 +9,7 @@ template <int W, int Dim, class Work> struct CellSweep {
   const CellPoints<Dim>& points;
   const NodeFields& fields;
   double sum = 0.0;
+  std::int64_t skipped = 0; ///< cells
 
   PDX_INLINE void over(std::span<const CellRows<Dim>> cells)
   {
@@ -26,6 +27,10 @@ private:
     Corners u, v, f = {};
     gather(fields.u, cells, count, u);
     if constexpr (Work::kRates) gather(fields.v, cells, count, v);
+    if (fields.skipped && all_zero(Work::kRates ? v : u)) {
+      skipped += count;
+      return;
+    }
     Lanes<W> total{};
     for (std::size_t p = 0; p < points.gradients.size(); ++p) {
       const double* const g = points.gradients[p].data(); // by corner, then by direction

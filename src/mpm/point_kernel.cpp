@@ -21,6 +21,7 @@ private:
     RunSweep<W, Dim, R, Work> sweep{work, full, 1.0 / body.side(), fields};
     for (const CellRun<Dim>& cells : runs) sweep.along(cells);
     sum = sweep.sum * full.volume;
+    if (fields.skipped) *fields.skipped += sweep.skipped;
   }
 };
 
@@ -36,6 +37,7 @@ template <int Dim, class Work> struct SweepCells {
     CellSweep<W, Dim, Work> sweep{work, points, fields};
     sweep.over(cells);
     sum = sweep.sum;
+    if (fields.skipped) *fields.skipped += sweep.skipped;
   }
 };
 

@@ -78,7 +78,8 @@ template <int Dim> void PointTerm<Dim>::add_residual(std::span<const double> u, 
 {
   static Event event("mpm_force");
   const Timed timed(event);
-  const NodeFields fields{u.data(), nullptr, r.data(), owned_rows_};
+  const NodeFields fields{u.data(), nullptr, r.data(), owned_rows_, skips_ ? &skipped_ : nullptr};
+  passed_ += static_cast<std::int64_t>(local_.size());
   for (const CellBlocks<Dim>* cells : {&own_, &copied_})
     for (const auto& block : cells->blocks()) {
       const BodyMaterial& body = material(block.body);
@@ -93,7 +94,8 @@ double PointTerm<Dim>::add_viscous(double b, std::span<const double> u, std::spa
 {
   static Event event("mpm_viscous");
   const Timed timed(event);
-  const NodeFields fields{u.data(), v.data(), r.data(), owned_rows_};
+  std::int64_t resting = 0; // counted where forces are elastic
+  const NodeFields fields{u.data(), v.data(), r.data(), owned_rows_, skips_ ? &resting : nullptr};
   double power = 0.0;
   for (const CellBlocks<Dim>* cells : {&own_, &copied_})
     for (const auto& block : cells->blocks()) {

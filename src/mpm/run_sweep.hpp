@@ -138,6 +138,18 @@ PDX_INLINE T full_cell(const Work& work, double per_side, double volume, const T
   return sum;
 }
 
+/// Is every number 0, of either sign? The first alone tells where things move.
+template <int N, int Dim, class T> PDX_INLINE bool all_zero(const T (&x)[N][Dim])
+{
+  using Words = typename Simd<sizeof(T) / sizeof(double)>::Words;
+  if (x[0][0][0] != 0.0) return false;
+  Words bits{};
+  PDX_UNROLL
+  for (int a = 0; a < N; ++a)
+    for (int d = 0; d < Dim; ++d) bits |= std::bit_cast<Words>(x[a][d]);
+  return !any_true((bits << 1) != 0); // without the sign
+}
+
 template <int Dim, class T>
 PDX_INLINE void add_hourglass(const CellPoints<Dim>& points, const T (&u)[kCorners<Dim>][Dim],
                               T (&f)[kCorners<Dim>][Dim])
@@ -162,6 +174,7 @@ template <int W, int Dim, int R, class Work> struct RunSweep {
   double per_side;
   const NodeFields& fields;
   double sum = 0.0;
+  std::int64_t skipped = 0; ///< cells
 
   PDX_INLINE void along(const CellRun<Dim>& run)
   {
@@ -177,12 +190,17 @@ template <int W, int Dim, int R, class Work> struct RunSweep {
       Lanes<W> here[2 * kLines][Dim], rate[2 * kLines][Dim], f[2 * kLines][Dim];
       to_corners(u, next_u, here);
       if constexpr (Work::kRates) to_corners(v, next_v, rate);
-      Lanes<W> density = full_cell<Dim, R>(work, per_side, points.volume, here, rate, f);
-      if constexpr (Work::kHourglass && R == 1) add_hourglass<Dim>(points, here, f);
-      if (count < W) drop_behind(count, density, f);
-      if constexpr (Work::kSums)
-        for (int l = 0; l < W; ++l) sum += density[l];
-      add_forces(run, at, count, f, carry);
+      if (fields.skipped && all_zero(Work::kRates ? rate : here)) {
+        skipped += std::min<std::ptrdiff_t>(count, W);
+        hand_over(run, at, carry);
+      } else {
+        Lanes<W> density = full_cell<Dim, R>(work, per_side, points.volume, here, rate, f);
+        if constexpr (Work::kHourglass && R == 1) add_hourglass<Dim>(points, here, f);
+        if (count < W) drop_behind(count, density, f);
+        if constexpr (Work::kSums)
+          for (int l = 0; l < W; ++l) sum += density[l];
+        add_forces(run, at, count, f, carry);
+      }
       PDX_UNROLL
       for (int line = 0; line < kLines; ++line)
         for (int d = 0; d < Dim; ++d) {
@@ -218,6 +236,16 @@ private:
       for (int a = 0; a < 2 * kLines; ++a)
         for (int d = 0; d < Dim; ++d) f[a][d][l] = 0.0;
     }
+  }
+  /// Of the last cell of the lanes before, before cells that rest.
+  PDX_INLINE void hand_over(const CellRun<Dim>& run, std::ptrdiff_t at, NodeLanes<W, Dim> (&carry)[kLines]) const
+  {
+    PDX_UNROLL
+    for (int line = 0; line < kLines; ++line)
+      for (int d = 0; d < Dim; ++d) {
+        fields.r[(run.first[static_cast<std::size_t>(line)] + at) * Dim + d] += carry[line][d][W - 1];
+        carry[line][d] = Lanes<W>{};
+      }
   }
   PDX_INLINE void add_forces(const CellRun<Dim>& run, std::ptrdiff_t at, std::ptrdiff_t count,
                              const Lanes<W> (&f)[2 * kLines][Dim], NodeLanes<W, Dim> (&carry)[kLines]) const

@@ -1,4 +1,4 @@
-#include "pdx/solve/central_difference.hpp"
+#include "waiting_kick.hpp"
 
 #include <cmath>
 #include <petsc/private/tsimpl.h>
@@ -12,13 +12,17 @@ struct CentralDifference {
   Motion motion;
   StepOrigin origin;
   bool fresh = false; ///< `acceleration` is that of the present state
+  bool waits = false; ///< last kicks do
+  double due = 0.0;   ///< step whose last kick waits; 0: none [s]
 };
 CentralDifference& data_of(TS ts) { return *static_cast<CentralDifference*>(ts->data); }
 
-/// v += dt/2 a and, in the first half of a step, u += dt v.
-template <bool drift> void kick(double dt, const double* a, double* v, double* u, PetscInt size)
+/// v += dt/2 a and, in the first half of a step, u += dt v; before that the kick of a step before that waited.
+template <bool drift, bool waited>
+void kick(double before, double dt, const double* a, double* v, double* u, PetscInt size)
 {
   for (PetscInt i = 0; i < size; ++i) {
+    if constexpr (waited) v[i] += 0.5 * before * a[i];
     v[i] += 0.5 * dt * a[i];
     if constexpr (drift) u[i] += dt * v[i];
   }
@@ -34,12 +38,28 @@ template <bool drift> void advance(TS ts, double dt, double end)
   PDX_CALL(VecGetArrayRead(own.acceleration.get(), &a));
   PDX_CALL(VecGetArray(ts->vec_dot, &v));
   if constexpr (drift) PDX_CALL(VecGetArray(ts->vec_sol, &u));
-  kick<drift>(dt, a, v, u, size);
+  if (own.due > 0.0)
+    kick<drift, true>(own.due, dt, a, v, u, size);
+  else
+    kick<drift, false>(0.0, dt, a, v, u, size);
+  own.due = 0.0;
   if (drift && own.motion.displacement) own.motion.displacement(end, u);
   if (!drift && own.motion.velocity) own.motion.velocity(end, v);
   if constexpr (drift) PDX_CALL(VecRestoreArray(ts->vec_sol, &u));
   PDX_CALL(VecRestoreArray(ts->vec_dot, &v));
   PDX_CALL(VecRestoreArrayRead(own.acceleration.get(), &a));
+}
+
+/// What is held does not accelerate: the kick to come leaves it as it is.
+void leave_kick(TS ts, double dt, double end)
+{
+  CentralDifference& own = data_of(ts);
+  own.due = dt;
+  if (!own.motion.velocity) return;
+  double* v = nullptr;
+  PDX_CALL(VecGetArray(ts->vec_dot, &v));
+  own.motion.velocity(end, v);
+  PDX_CALL(VecRestoreArray(ts->vec_dot, &v));
 }
 
 PetscErrorCode step(TS ts)
@@ -60,7 +80,10 @@ PetscErrorCode step(TS ts)
     else {
       advance<true>(ts, dt, end);
       PDX_CALL(TSComputeRHSFunction(ts, end, ts->vec_sol, own.acceleration.get()));
-      advance<false>(ts, dt, end);
+      if (own.waits)
+        leave_kick(ts, dt, end);
+      else
+        advance<false>(ts, dt, end);
     }
     PDX_CALL(TSPostStage(ts, end, 0, &ts->vec_sol));
     PetscReal next = dt;
@@ -117,6 +140,24 @@ void register_central_difference() { PDX_CALL(TSRegister(kCentralDifference, cre
 
 void set_motion(TS ts, Motion motion) { data_of(ts).motion = std::move(motion); }
 
+void let_kicks_wait(TS ts) { data_of(ts).waits = true; }
+
+void finish_kick(TS ts)
+{
+  CentralDifference& own = data_of(ts);
+  if (own.due == 0.0) return;
+  PetscInt size = 0;
+  const double* a = nullptr;
+  double* v = nullptr;
+  PDX_CALL(VecGetLocalSize(ts->vec_dot, &size));
+  PDX_CALL(VecGetArrayRead(own.acceleration.get(), &a));
+  PDX_CALL(VecGetArray(ts->vec_dot, &v));
+  kick<false, false>(0.0, own.due, a, v, nullptr, size);
+  PDX_CALL(VecRestoreArray(ts->vec_dot, &v));
+  PDX_CALL(VecRestoreArrayRead(own.acceleration.get(), &a));
+  own.due = 0.0;
+}
+
 StepOrigin step_origin(TS ts) { return data_of(ts).origin; }
 
 void resume_steps(TS ts, const StepOrigin& origin, Vec acceleration)
@@ -125,6 +166,7 @@ void resume_steps(TS ts, const StepOrigin& origin, Vec acceleration)
   own.origin = origin;
   PDX_CALL(VecCopy(acceleration, own.acceleration.get()));
   own.fresh = true;
+  own.due = 0.0;
 }
 
 Vec acceleration(TS ts) { return data_of(ts).acceleration.get(); }

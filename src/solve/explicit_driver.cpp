@@ -1,7 +1,10 @@
 #include "pdx/solve/explicit_driver.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/solve/stable_step.hpp"
+#include "waiting_kick.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -25,6 +28,7 @@ ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& opt
           PDX_CALL(VecGetArray(a, &values));
           driver.evaluate(time, {values, driver.moving_.owned()});
           PDX_CALL(VecRestoreArray(a, &values));
+          driver.fall_behind(driver.step_length()); // the last kick may wait
         });
       },
       this));
@@ -33,6 +37,8 @@ ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& opt
                          {}});
   if (system.steps) set_motion(ts_.get(), {{}, {}, [this](double begin, double end) { step_alone(begin, end); }});
   PDX_CALL(TSSetUp(ts_.get()));
+  const auto damps = [](const auto& term) { return term->damps(); };
+  if (!system.steps && std::ranges::none_of(system.terms, damps) && ties_of(system).empty()) let_kicks_wait(ts_.get());
 }
 
 void ExplicitDriver::choose_step() const
@@ -43,7 +49,7 @@ void ExplicitDriver::choose_step() const
   if (length == 0.0) {
     if (!std::isfinite(options_.limit)) throw UserError("-ts_dt is missing: nothing in this scene limits the step");
     length = even_step(end);
-  } else
+  } else if (!options_.goes_on)
     judge_step(length);
   set_step(length);
 }
@@ -61,8 +67,8 @@ double ExplicitDriver::fitting_step(double length) const
 {
   PetscBool given = PETSC_FALSE;
   PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
-  if (given || options_.allow_unstable || length <= std::min(1.0, kSafer * options_.safety) * options_.limit)
-    return length;
+  const double near = given ? 1.0 : std::min(1.0, kSafer * options_.safety);
+  if (options_.allow_unstable || length <= near * options_.limit) return length;
   return even_step(end_time() < PETSC_MAX_REAL ? end_time() - time() : PETSC_MAX_REAL);
 }
 

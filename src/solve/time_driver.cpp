@@ -1,5 +1,7 @@
 #include "pdx/solve/time_driver.hpp"
 
+#include "waiting_kick.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -115,7 +117,10 @@ void TimeDriver::after_step()
     change->stepped(length);
     change->apply(moving_.u, losses_);
   }
-  if (!losses_.empty()) let_go(losses_);
+  if (!losses_.empty()) {
+    catch_up(); // by the acceleration of the step that ended
+    let_go(losses_);
+  }
   moving_.foresee_damping(acceleration(), step_length());
   moving_.note();
   if (step() % kCheckInterval == 0 || step() >= expected_steps()) {
@@ -146,7 +151,12 @@ void TimeDriver::go_back()
 
 void TimeDriver::catch_up() const
 {
-  if (behind_ > 0.0) moving_.system.steps->tell(behind_, told_u_, told_v_);
+  if (behind_ > 0.0) {
+    if (moving_.system.steps)
+      moving_.system.steps->tell(behind_, told_u_, told_v_);
+    else
+      finish_kick(ts_.get());
+  }
   behind_ = 0.0;
 }
 

@@ -79,6 +79,25 @@ class Mixed(program.ProgramTest):
             self.assertEqual(row["bonds_broken"], rows[0]["bonds_broken"])
             self.assertAlmostEqual(row["energy_fracture"] / rows[0]["energy_fracture"], 1.0, delta=1e-10)
 
+    def test_a_step_that_is_too_long_beside_particles_becomes_shorter(self):
+        # Points alone take steps twice as long as particles: the one given ends where the first particles come.
+        begin = self.spall({"-ts_max_steps": "1", "-ts_dt": None}).summary["results"]["stable_step"]
+        long = {"-ts_dt": repr(0.9 * begin), "-ts_max_time": "1.3e-3"}
+        case = {"-options_file": "cases/spallation/case.opts", "-quiet": ""} | long
+        whole = self.launch(case)
+        self.assertEqual(whole.status, 0, whole.err)
+        warnings = [line for line in whole.err.splitlines() if "-ts_dt of" in line]
+        self.assertEqual(len(warnings), 1, warnings)
+        results = whole.summary["results"]
+        self.assertLess(results["step_length"], 0.8 * begin)
+        self.assertTrue(0.039 <= results["spall_position"] <= 0.041)
+        rows, directory = whole.history(), self.scratch / "long"
+        later = str(next(int(row["step"]) for row in rows if row["points"] < rows[0]["points"]) + 5)
+        self.launch(case | {"-ts_max_steps": later, "-checkpoint_interval": later}, directory=directory)
+        rest = self.launch(case | {"-restart": str(directory / "checkpoint.h5")}, directory=directory)
+        self.assertEqual(rest.status, 0, rest.err)
+        self.assertEqual(rows, rest.history())
+
     def test_a_restart_between_conversions_goes_on_to_the_last_bit(self):
         whole = self.spall({})
         for step in (EARLY, LATE):

@@ -5,6 +5,7 @@ Usage: test_points.py PDXSOLVE [unittest arguments]; environment as for test_bad
 
 import math
 
+import gmsh_files
 import numpy as np
 import program
 
@@ -35,6 +36,30 @@ SPALL = SOFT | {"-material_young": "1e4", "-material_poisson": "0", "-material_d
 # A block that flies onto a plate and slides.
 RUB = SOFT | {"-mpm_bodies": "plate,block", "-mpm_plate_box": "0,0,0.03,0.006", "-mpm_block_box": "0.006,0.006,0.014,0.01",
               "-mpm_block_velocity": "0.5,-0.3", "-contact_friction": "0.3", "-ts_safety": "0.5", "-ts_max_steps": "700"}
+# A unit square of one four-node cell, and a triangle on its right whose slanted side goes through no site of .1.
+TWO_SURFACES = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+2 1 "block"
+2 2 "tip"
+$EndPhysicalNames
+$Nodes
+6
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 2.04 0 0
+6 1 1.04 0
+$EndNodes
+$Elements
+2
+1 3 2 1 1 1 2 3 4
+2 2 2 2 2 2 5 6
+$EndElements
+"""
 SPINNING = DISC | {"-mpm_disc_velocity": None, "-mpm_disc_spin": "200"}
 
 
@@ -102,6 +127,15 @@ class Points(program.ProgramTest):
         results = self.solve(BALL | {"-mpm_bulk_viscosity": "1"}).summary["results"]
         self.assertLess(results["viscous_energy"], 1e-20 * results["kinetic_energy"])
 
+    def test_contact_that_cannot_hold_bodies_apart_is_told_once(self):
+        # Half a spacing a step, and stress of a third of Young's modulus where they meet: rho c v / 2 with v = .6 c.
+        meet = SOFT | {"-mpm_bodies": "one,two", "-mpm_one_box": "0,0,0.01,0.01", "-mpm_two_box": "0.013,0,0.023,0.01",
+                       "-mpm_one_velocity": "20,0", "-ts_safety": "0.5", "-ts_max_steps": "60"}
+        said = self.launch(meet).err.splitlines()
+        self.assertEqual([("in each other's skin" in line, "in a step" in line) for line in said], [(True, False), (False, True)])
+        self.assertEqual(said, self.launch(meet, 2).err.splitlines())
+        self.solve(meet | {"-mpm_one_velocity": "1,0"}) # says nothing
+
     def test_a_restart_goes_on_to_the_last_bit(self):
         for ranks, scene in ((1, SPINNING | {"-mpm_bulk_viscosity": "0.06"}), (2, SPINNING)):
             whole = self.solve(scene, ranks)
@@ -127,6 +161,47 @@ class Points(program.ProgramTest):
         run = self.launch(SPINNING | {"-mpm_disc_disc": "0.3,0.2,0.011", "-restart": str(directory / "checkpoint.h5")})
         self.assertEqual(run.status, 1)
         self.assertEqual(len(run.err.splitlines()), 1)
+
+    def test_cells_at_rest_are_skipped_without_changing_a_bit(self):
+        # The pull has gone 120 of 200 spacings when the run ends, and the loose disc has not moved at all.
+        scene = BAR | {"-mpm_bodies": "bar,far", "-mpm_bar_box": "0,0,0.2,0.008", "-mpm_far_disc": "0.3,0,0.008",
+                       "-bc_left_of": "bar", "-bc_right_of": "bar", "-ts_max_time": str(0.12 / math.sqrt(1e3)), "-output_fields": "",
+                       "-output_interval": "100000"}
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                some, every = (self.solve(scene | {"-mpm_skip_rest": how}, ranks) for how in ("1", "0"))
+                (computed, skipped), counts = ([run.summary["results"][f"mpm_cells_{what}"] for what in ("computed", "skipped")]
+                                               for run in (some, every))
+                self.assertGreater(skipped, 0.5 * computed)
+                self.assertEqual(counts, [computed + skipped, 0])
+                self.assertEqual(*((run.directory / "history.csv").read_bytes() for run in (some, every)))
+                self.assert_same_displacement(some, every, tolerance=0.0)
+
+    def test_regions_of_a_mesh_are_filled(self):
+        # Four cells of the unit square are the box; of two surfaces side by side the triangle holds 10 + 9 + ... + 1 points.
+        unit = BAR | {"-mpm_spacing": "0.125", "-mpm_bar_box": "0,0,1,1", "-ts_max_steps": "20"}
+        box = self.solve(unit).history()
+        for version, binary in (("2.2", False), ("2.2", True), ("4.1", False), ("4.1", True)):
+            file = gmsh_files.Square(2).write(self.scratch / "square.msh", version, binary)
+            for region in ({}, {"-mpm_bar_region": "plate"}):
+                mesh = unit | {"-mpm_bar_box": None, "-mpm_bar_mesh": file} | region
+                self.assertEqual(box, self.solve(mesh).history())
+        two = self.scratch / "two.msh"
+        two.write_text(TWO_SURFACES, encoding="utf-8")
+        for region, count in (("tip", 55), ("block", 100), (None, 155)):
+            wedge = BAR | {"-mpm_spacing": "0.1", "-mpm_bar_box": None, "-mpm_bar_mesh": str(two), "-mpm_bar_region": region,
+                           "-bc_names": "all", "-bc_all_body": "1,0", "-ts_max_steps": "1"}
+            wedge = {name: value for name, value in wedge.items() if not name.startswith(("-bc_left", "-bc_right"))}
+            self.assertEqual(self.solve(wedge).summary["results"]["material_points"], count)
+
+    def test_points_are_dealt_out_anew_by_the_time_they_take(self):
+        # The left half of a long bar, that of a rank, rests until the pull at the right end comes to it.
+        scene = BAR | {"-mpm_bar_box": "0,0,1,0.04", "-ts_max_steps": "300", "-output_history_interval": "100"}
+        whole = self.solve(scene, 2).history()[-1]
+        dealt = self.solve(scene | {"-rebalance_threshold": "1.05"}, 2)
+        self.assertGreaterEqual(dealt.summary["results"]["rebalances"], 1)
+        for name in ("energy_points", "momentum_x", "work"):
+            self.assertAlmostEqual(dealt.history()[-1][name] / whole[name], 1.0, delta=1e-9)
 
     def test_points_of_a_file_are_those_of_the_box(self):
         file = self.scratch / "bar.csv"

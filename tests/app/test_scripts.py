@@ -25,7 +25,7 @@ class Scripts(program.ProgramTest):
 
     def test_pictures_of_bodies_without_elements(self):
         torn, points = self.solve(TORN | FIELDS), self.solve(POINTS | FIELDS)
-        for kind, run in (("damage", torn), ("plate", points)):
+        for kind, run in (("damage", torn), ("plate", points), ("motion", points)):
             with self.subTest(kind):
                 picture = self.scratch / f"{kind}.png"
                 self.script("plot_case.py", run.directory, "-o", picture, "--kind", kind)

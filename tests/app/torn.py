@@ -61,7 +61,7 @@ def checkpoint(directory):
 
 def results(run):
     """All but what is counted from where a run began, and what only runs that may change their layout tell."""
-    kept = {name: value for name, value in run.summary["results"].items() if not name.startswith("pd_tiles")}
+    kept = {name: value for name, value in run.summary["results"].items() if not name.startswith(("pd_tiles", "mpm_cells"))}
     kept.pop("energy_converted", None)
     kept.pop("layout_seconds", None)
     return kept, run.summary["bonds_broken"], run.summary["steps"]

@@ -63,7 +63,8 @@ private:
   Numbers head_;                        // of -restart
   Kept sound_;                          // where the driver can go back to
   std::string stopped_;
-  double step_length_ = 0.0; // that the run began with [s]
+  double step_length_ = 0.0; // of the steps, but for the last ones before the end [s]
+  double step_given_ = 0.0;  // that the run began with, before changes of layout made it shorter [s]
   int next_look_ = 0, looked_step_ = 0;
   double looked_ = 0.0, written_ = 0.0; // wall clock [s]
   struct {

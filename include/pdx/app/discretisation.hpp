@@ -40,6 +40,10 @@ struct Discretisation final : Model {
   adapt::SceneView view(const mesh::Mesh& mesh) const; ///< there are patches
   post::Energies energies(std::span<const double> local) const override;
   Tiles tiles() const override { return bonds ? Tiles{bonds->tiles_computed(), bonds->tiles_skipped()} : Tiles{}; }
+  Tiles cells_of_points() const override
+  {
+    return points ? Tiles{points->cells_computed(), points->cells_skipped()} : Tiles{};
+  }
   /// Strain energy density per owned row, bonds that leave their patch included; 0 where no particle is [J/m^3].
   std::vector<double> energy_density(std::span<const double> local) const;
   /// Fields of the material points that no patch covers. Collective.

@@ -65,8 +65,16 @@ struct Model {
   /// Tiles of bonds in all passes in lane strips so far, this rank.
   struct Tiles {
     std::int64_t computed = 0, skipped = 0;
+    Tiles& operator+=(const Tiles& more)
+    {
+      computed += more.computed;
+      skipped += more.skipped;
+      return *this;
+    }
   };
   virtual Tiles tiles() const = 0;
+  /// Cells of material points on a grid that is kept, in all passes so far, this rank.
+  virtual Tiles cells_of_points() const { return {}; }
 
   std::unique_ptr<BodyLedger> bodies; ///< null where bodies are not told apart
   std::unique_ptr<Touching> touching; ///< null where nothing touches

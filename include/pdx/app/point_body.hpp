@@ -49,6 +49,7 @@ template <int Dim> struct PointBody : PointModel {
   mpm::PointTerm<Dim>* term = nullptr; ///< borrowed from system.terms
 
   std::vector<CellOfBody<Dim>> owned_cells() const; ///< with points, in order of the mesh
+  Tiles cells_of_points() const override { return {term->cells_computed(), term->cells_skipped()}; }
   BodyRows rows_of_bodies() const;
 
   post::Energies energies(std::span<const double> local) const override;

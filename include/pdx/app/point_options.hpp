@@ -19,12 +19,12 @@ struct PointShape {
     Vector<3> centre = Vector<3>::Zero(); ///< [m]
     double radius = 0.0;                  ///< [m]
   };
-  std::optional<geom::Box<3>> box;     ///< [m]
-  std::optional<Ball> disc, sphere;    ///< a disc in space is a cylinder along z
-  std::optional<Ball> hole;            ///< round, through the body: whole cells with their middle in it are left out
-  std::vector<Vector<2>> polygon;      ///< corners in order [m]
-  std::string file;                    ///< of points, as those of -pd_cloud
-  double z_lower = 0.0, z_upper = 0.0; ///< in space: where disc and polygon begin and end [m]
+  std::optional<geom::Box<3>> box;  ///< [m]
+  std::optional<Ball> disc, sphere; ///< a disc in space is a cylinder along z
+  std::optional<Ball> hole;         ///< round, through the body: whole cells with their middle in it are left out
+  std::vector<std::array<Vector<2>, 2>> border; ///< edges of a polygon, or of a region of a mesh, in any order [m]
+  std::string file;                             ///< of points, as those of -pd_cloud
+  double z_lower = 0.0, z_upper = 0.0;          ///< in space: where disc, polygon and region begin and end [m]
 
   /// What the shape is in a frame.
   PointShape inside(const geom::Frame& frame) const;
@@ -58,6 +58,7 @@ struct PointOptions {
   mpm::Law law = mpm::Law::corotational;
   int ratio = 2;          ///< cells of the grid over the spacing of points
   double viscosity = 0.0; ///< linear bulk viscosity b [-]
+  bool skips_rest = true; ///< of `total`: cells at rest are left out of explicit steps
   mpm::GridRule grid;     ///< of `updated`; its side is not yet known
   ContactOptions contact;
   /// Around each body, that of elements last; of a mixed scene, once it is settled [m].

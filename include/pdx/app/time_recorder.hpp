@@ -57,12 +57,13 @@ private:
   void write_history(const solve::TimeDriver& driver, const MotionEnergies& energies);
   void write_results(const solve::TimeDriver& driver, const MotionEnergies& e);
   void write_tiles();
+  void write_cells();
   void print_phases(const solve::TimeDriver& driver);
   bool fields_due(const solve::TimeDriver& driver);
 
   RunFiles& files_;
   const Model* d_ = nullptr;
-  Model::Tiles tiles_; // of scenes that are gone
+  Model::Tiles tiles_, cells_; // of scenes that are gone
   std::optional<SectionWatch> sections_;
   std::unique_ptr<CrackWatch> cracks_; // null where no crack can grow from a given tip
   StepLimits limits_;

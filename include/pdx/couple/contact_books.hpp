@@ -17,8 +17,11 @@ public:
   virtual std::array<double, 3> force(std::size_t pair) const = 0;
   /// Its integral since the start, by the trapezoidal rule: what steps by central differences hand over [N s].
   const std::array<double, 3>& impulse(std::size_t pair) const { return now_.impulse[pair]; }
-  /// Largest overlap at the last force over the distance at which points touch, of what this rank counts [-].
-  virtual double deepest() const = 0;
+  /// As those of ContactTerm, in the order of `pairs`, of what this rank sees [-].
+  ///@{
+  virtual std::span<const double> depths() const = 0;
+  virtual std::span<const double> approaches() const = 0;
+  ///@}
   double dissipated() const override { return now_.friction; } ///< by friction
 
   /// This rank's part of all sums: one number of friction, then 6 of each pair.
@@ -42,7 +45,8 @@ public:
   explicit ContactStep(ContactTerm<Dim>& contact); ///< must outlive this
 
   std::array<double, 3> force(std::size_t pair) const override;
-  double deepest() const override { return contact_.deepest(); }
+  std::span<const double> depths() const override { return contact_.depths(); }
+  std::span<const double> approaches() const override { return contact_.approaches(); }
   void stepped(double length) override;
   void apply(std::span<const double> u, field::ForceLosses& losses) override;
   void save() override;

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/base/tensor.hpp"
+#include "pdx/geom/frame.hpp"
 
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ struct ContactOptions {
   double friction = 0.0;  ///< Coulomb's coefficient [-]
   double skin = 0.5;      ///< how far beyond their reach points are looked for, in sizes of the largest [-]
   double thickness = 1.0; ///< of plane bodies [m]
+  geom::Frame frame;      ///< that messages count places in
   std::vector<std::array<Index, 2>> pairs; ///< bodies that may touch; empty: any two
 };
 

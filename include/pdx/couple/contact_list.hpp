@@ -27,6 +27,8 @@ public:
   }
   std::span<const Index> points() const { return points_; } ///< all that take part, ascending
   double slack() const { return slack_; }                   ///< [m]
+  /// Between the boxes of bodies that may touch, in the order of `ContactLaw::pairs`; infinite where one has no point.
+  std::span<const double> gaps() const { return gaps_; } ///< [m]
 
 private:
   struct Box {
@@ -43,6 +45,7 @@ private:
   std::vector<Near> near_;
   std::vector<Index> facets_, points_;
   double slack_ = 0.0;
+  std::vector<double> gaps_;
 
   std::vector<Box> boxes_;               // of bodies
   std::vector<Index> chosen_;            // points near another body's box

@@ -46,9 +46,14 @@ public:
   Index points() const { return static_cast<Index>(skin_.points().size()); } ///< that this rank knows
   /// Of the last force, this rank's part, one per pair of `law().pairs()`: on the first body by the second [N].
   std::span<const Vector<Dim>> pair_forces() const { return pair_forces_; }
-  /// Largest (d0 - d) / d0 at the last force, of what this rank counts [-]. Above 1/4 bodies are about to go through
-  /// each other, and the bound on the stiffness is none.
-  double deepest() const { return deepest_; }
+  /// Of all forces so far, what this rank sees, one per pair of `law().pairs()`:
+  ///@{
+  /// Largest (d0 - d) / d0 [-]. Above 1/4 bodies are about to go through each other, and the bound on the stiffness is
+  /// none.
+  std::span<const double> depths() const { return depths_; }
+  /// By what part of d0 a step brought the bodies nearer to each other, the largest, while they were apart [-].
+  std::span<const double> approaches() const { return approaches_; }
+  ///@}
 
   /// Grips become those of the last force. @return what friction took, as this rank counts it [J]
   double slip();
@@ -68,6 +73,7 @@ private:
   void follow(std::span<const double> u) const;
   double moved(std::span<const double> u) const;
   void place(std::span<const double> u, Index point) const;
+  void note_approach() const;
   double stiffness(Index point, Index body) const;
   template <class Visit, class LetGo> void for_each_touch(Visit&& visit, LetGo&& let_go) const;
   void push(const Near& near, const Touch<Dim>& touch, double k, const Traction<Dim>* traction) const;
@@ -92,6 +98,8 @@ private:
   mutable std::vector<double> listed_at_; // displacement of surface_rows_ at the last search [m]
   mutable std::vector<Vector<Dim>> x_, forces_;
   mutable std::vector<Vector<Dim>> pair_forces_;
-  mutable double deepest_ = 0.0;
+  mutable std::vector<double> depths_, approaches_; // per pair
+  mutable std::vector<double> gaps_;                // likewise, at the last search [m]
+  mutable int forces_since_ = 0;                    // that search
 };
 } // namespace pdx::couple

@@ -22,4 +22,10 @@ struct CellList {
 /// boundaries; edges of the outer boundary without a named curve go to "unnamed". Clockwise cells are turned. Not
 /// collective. Throws UserError for anything else, in one line that begins with "-mesh_file FILE".
 CellList read_gmsh(const std::string& file);
+
+/// Border of a region of a Gmsh file, edge by edge: of the cells of three or four nodes in a physical surface, or of
+/// all cells. Not collective. Throws UserError, in one line that begins with the option.
+/// @param option by which the user named the file   @param region name of the surface; empty: all
+std::vector<std::array<Vector<2>, 2>> read_gmsh_border(const std::string& option, const std::string& file,
+                                                       const std::string& region);
 } // namespace pdx::mesh

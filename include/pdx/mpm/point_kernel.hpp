@@ -22,6 +22,9 @@ struct NodeFields {
   const double* v = nullptr; ///< velocity, for viscous forces only [m/s]
   double* r = nullptr;       ///< forces of rows 0 to owned - 1 [N]
   Index owned = 0;
+  /// If given, lanes of cells that rest are left out, which changes no bit, and counted here: those with no
+  /// displacement at any corner, of viscous forces no velocity.
+  std::int64_t* skipped = nullptr;
 };
 
 /// `add_run_forces` knows full cells of so many points in each direction.

@@ -15,6 +15,14 @@ public:
   PointTerm(const field::Rows& rows, std::vector<PointCell<Dim>> cells, std::vector<BodyMaterial> materials,
             double viscosity = 0.0);
 
+  /// Leave cells out that rest, as `NodeFields::skipped` says? At first they are.
+  void skip_rest(bool skip) { skips_ = skip; }
+  /// Cells of this rank's passes so far: computed, and left out because they were at rest. Copies of cells count too.
+  ///@{
+  std::int64_t cells_computed() const { return passed_ - skipped_; }
+  std::int64_t cells_skipped() const { return skipped_; }
+  ///@}
+
   void needed_rows(std::vector<PetscInt>& rows) const override;
   void bind(const field::RowHalo& halo) override;
   void add_residual(std::span<const double> u, std::span<double> r) const override;
@@ -71,6 +79,8 @@ private:
   const field::RowHalo* halo_ = nullptr;
   Index points_ = 0, owned_rows_ = 0;
   double viscosity_; ///< b [-]
+  bool skips_ = true;
+  mutable std::int64_t passed_ = 0, skipped_ = 0;
   Processor processor_ = chosen_processor();
 };
 } // namespace pdx::mpm

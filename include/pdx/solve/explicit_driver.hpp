@@ -7,6 +7,7 @@ struct ExplicitOptions {
   double limit = 0.0;          ///< rigorous stable step of the scene [s]
   double safety = 0.9;         ///< share of it that a step takes by itself [-]
   bool allow_unstable = false; ///< let a given -ts_dt be above the limit
+  bool goes_on = false;        ///< of a run that has begun: `resume` and `resume_changed` judge what its steps were
 };
 
 /// Explicit dynamics: central differences, one evaluation of all forces per step. Rows move by their lumped mass; what

@@ -3,6 +3,8 @@
 #include "pdx/base/symmetric.hpp"
 
 #include <Eigen/LU>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
@@ -146,6 +148,55 @@ TYPED_TEST(PointKernel, RowsOfOthersAreLeftAlone)
   fields.owned = 15;
   mpm::add_cell_forces<Dim>(this_processor(), grid.body, grid.points, grid.cells, fields);
   for (std::size_t i = 0; i < r.size(); ++i) EXPECT_EQ(r[i], i < 15 * Dim ? all[i] : 0.0);
+}
+
+TYPED_TEST(PointKernel, CellsAtRestAreLeftOutWithoutChangingABit)
+{
+  constexpr int Dim = TestFixture::kDim;
+  constexpr Index length = 41, per_line = length + 3;
+  const auto bits = [](const std::vector<double>& r) {
+    std::vector<std::uint64_t> all;
+    for (const double x : r) all.push_back(std::bit_cast<std::uint64_t>(x));
+    return all;
+  };
+  for (const mpm::Law law : {mpm::Law::corotational, mpm::Law::neo_hooke})
+    for (const int ratio : {1, 2})
+      for (const std::array<Index, 2> moving : {std::array<Index, 2>{0, 0}, {0, 1}, {7, 9}, {16, 25}, {40, 42}}) {
+        Grid<Dim> grid(material(law, ratio), mpm::full_mask<Dim>(ratio), length);
+        for (std::size_t i = 0; i < grid.u.size(); ++i) { // elsewhere 0, of either sign
+          const Index x = static_cast<Index>(i / Dim) % per_line;
+          if (x < moving[0] || x >= moving[1]) grid.u[i] = grid.v[i] = i % 3 ? 0.0 : -0.0;
+        }
+        const auto count = static_cast<std::int64_t>(grid.cells.size());
+        const std::int64_t at_rest = count / length * (length - (moving[1] - moving[0]) - (moving[1] > moving[0]));
+        for (const Processor processor : processors()) {
+          std::vector<double> every, some;
+          std::int64_t skipped = 0;
+          const auto compare = [&](auto&& add, std::int64_t least) {
+            add(grid.fields(every));
+            mpm::NodeFields fields = grid.fields(some);
+            fields.skipped = &skipped;
+            skipped = 0;
+            add(fields);
+            EXPECT_EQ(bits(every), bits(some));
+            EXPECT_LE(skipped, std::max<std::int64_t>(at_rest, 0) + count / length);
+            EXPECT_GE(skipped, least);
+          };
+          const std::int64_t lanes = 8, least = at_rest - count / length * 2 * lanes; // a vector at each end moves
+          const auto runs = [&](const auto& fields) {
+            mpm::add_run_forces<Dim>(processor, grid.body, grid.points, grid.runs, fields);
+          };
+          const auto cells = [&](const auto& fields) {
+            mpm::add_cell_forces<Dim>(processor, grid.body, grid.points, grid.cells, fields);
+          };
+          const auto viscous = [&](const auto& fields) {
+            mpm::add_run_viscous<Dim>(processor, grid.body, grid.points, 0.1, grid.runs, fields);
+          };
+          compare(runs, least);
+          compare(cells, least);
+          compare(viscous, least);
+        }
+      }
 }
 
 TYPED_TEST(PointKernel, ViscosityIsThatOfTheRateOfVolume)
