@@ -1,45 +1,18 @@
 #include "pdx/app/checkpoints.hpp"
 
+#include "pdx/app/checkpoint_file.hpp"
 #include "pdx/app/scene_signature.hpp"
-#include "pdx/base/events.hpp"
-#include "pdx/io/agree.hpp"
-#include "pdx/io/hdf5_file.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <sstream>
 
 namespace pdx::app {
 namespace {
 using Verdict = solve::TimeDriver::Verdict;
-constexpr const char* kFile = "checkpoint.h5";
-constexpr const char* kOptions = "/options"; // what makes a scene this one as the options say it, and as it stands
-constexpr const char* kScene = "/scene";
 constexpr std::size_t kRankSums = 5;  // of every scene: work, broken bonds, their energy, what damping took and takes
 constexpr int kMostSteps = 16;        // from one look at signals and the clock to the next
 constexpr double kMostSeconds = 0.25; // likewise [s]
-
-std::vector<std::string> split(const std::string& text)
-{
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
-/// "crack 1" of "crack 1 = (0, 0.5) (1, 0.5)".
-std::string name_of(const std::string& line) { return line.substr(0, line.find(" =")); }
-
-/// The first line of that name, or of any, that the others have not; "" if they have all.
-std::string line_apart(const std::vector<std::string>& lines, const std::vector<std::string>& others,
-                       const std::string& name = "")
-{
-  const auto apart = std::ranges::find_if(lines, [&](const std::string& line) {
-    return (name.empty() || name_of(line) == name) && std::ranges::find(others, line) == others.end();
-  });
-  return apart == lines.end() ? "" : *apart;
-}
 
 int rank_in(MPI_Comm comm)
 {
@@ -48,7 +21,7 @@ int rank_in(MPI_Comm comm)
   return rank;
 }
 
-std::map<std::string, double> numbers_of(const solve::TimeDriver::Clock& clock)
+NamedNumbers numbers_of(const solve::TimeDriver::Clock& clock)
 {
   return {{"time", clock.time},
           {"step", clock.step},
@@ -61,7 +34,7 @@ std::map<std::string, double> numbers_of(const solve::TimeDriver::Clock& clock)
           {"start_bound", clock.start_bound}};
 }
 
-solve::TimeDriver::Clock clock_of(const std::map<std::string, double>& n)
+solve::TimeDriver::Clock clock_of(const NamedNumbers& n)
 {
   const auto whole = [&](const char* name) { return static_cast<int>(std::lround(n.at(name))); };
   return {n.at("time"),
@@ -75,31 +48,8 @@ solve::TimeDriver::Clock clock_of(const std::map<std::string, double>& n)
           {}};
 }
 
-/// Named numbers: a table of one column, and their names, a line each.
-void write_numbers(io::Hdf5File& file, const std::map<std::string, double>& numbers, bool here)
-{
-  std::string names;
-  std::vector<double> values;
-  for (const auto& [name, value] : numbers) {
-    names += name + "\n";
-    if (here) values.push_back(value);
-  }
-  file.dataset("/numbers", std::span<const double>(values), 1);
-  file.text("/number_names", names);
-}
-
-std::map<std::string, double> read_numbers(const io::SealedReader& file)
-{
-  const std::vector<std::string> names = split(file.text("/number_names"));
-  const std::vector<double> values = file.column("/numbers");
-  file.require("/numbers", names.size() == values.size() ? "" : "has other names than numbers");
-  std::map<std::string, double> numbers;
-  for (std::size_t k = 0; k < names.size(); ++k) numbers[names[k]] = values[k];
-  return numbers;
-}
-
 /// What is wrong with the numbers of a checkpoint, "" if nothing is.
-std::string fault_of(const std::map<std::string, double>& numbers)
+std::string fault_of(const NamedNumbers& numbers)
 {
   for (const char* name : {"time", "step", "length", "origin_time", "origin_step", "origin_length", "energy_bound",
                            "initial_energy", "start_bound", "fields", "end", "step_length", "largest_energy",
@@ -124,18 +74,15 @@ Checkpoints::Checkpoints(RunFiles& files, PatchMover& mover)
 void Checkpoints::read_head()
 {
   from_ = std::make_unique<io::SealedReader>(files_.comm(), options_.restart);
+  refuse_another(*from_, options_.restart, kGivenOptions, given_); // before a scene is built by what the file says
   head_ = read_numbers(*from_);
   from_->require("/numbers", fault_of(head_));
   // The directory it lies in is the run's own: its files go on. Elsewhere new ones begin.
-  const std::filesystem::path directory = std::filesystem::path(options_.restart).parent_path();
-  std::error_code none;
-  int here = std::filesystem::equivalent(directory.empty() ? "." : directory, files_.options.output.directory, none);
-  MPI_Bcast(&here, 1, MPI_INT, 0, files_.comm());
-  refuse_another(kOptions, given_); // before a scene is built by what the file says
+  const bool here = is_of(files_.comm(), options_.restart, files_.options.output.directory);
   from_layout_ = Layout::read(*from_, files_.options);
   if (files_.options.layout.patches_move()) dormant_ = Dormant::read(files_.comm(), *from_);
   if (mover_.follows()) mover_.read(*from_);
-  files_.continued = {here != 0, static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
+  files_.continued = {here, static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
 }
 
 SceneTables& Checkpoints::tables()
@@ -159,23 +106,13 @@ void Checkpoints::take_scene(const Standing& scene, const Layout& layout, const 
   sound_ = kept_now(recorder);
 }
 
-void Checkpoints::refuse_another(const char* text, const std::string& mine) const
-{
-  const std::vector<std::string> there = split(from_->text(text)), here = split(mine);
-  const std::string one = line_apart(here, there), other = line_apart(there, here, name_of(one));
-  if (one.empty() && other.empty()) return;
-  const auto shown = [](const std::string& line) { return line.empty() ? "no more" : "\"" + line + "\""; };
-  throw UserError(fmt::format("-restart is {}: it is of another scene, which has {}; this one has {}", options_.restart,
-                              shown(other), shown(one)));
-}
-
 void Checkpoints::begin(const Standing& scene, const Layout& layout, solve::TimeDriver& driver, TimeRecorder& recorder)
 {
   stand_on(scene, layout);
   step_length_ = step_given_ = driver.step_length();
   sound_ = kept_now(recorder);
   if (!from_) return;
-  refuse_another(kScene, tables().scene());
+  refuse_another(*from_, options_.restart, kStandingScene, tables().scene());
   solve::TimeDriver::Clock clock = clock_of(head_);
   PetscBool given = PETSC_FALSE;
   PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
@@ -270,7 +207,7 @@ Verdict Checkpoints::after_step(const solve::TimeDriver& driver, const TimeRecor
   const bool due = due_.signal || due_.write || (options_.interval > 0 && step % options_.interval == 0);
   if (due) write(driver, kept_now(recorder));
   if (!due_.signal) return Verdict::go_on;
-  const std::string file = (std::filesystem::path(files_.options.output.directory) / kFile).string();
+  const std::string file = checkpoint_in(files_.options.output.directory).string();
   stopped_ = fmt::format("stopped by {} at step {}, time {:.6g} s: checkpoint written to {}; go on with -restart {}",
                          StopSignals::name(due_.signal), step, driver.time(), file, file);
   return Verdict::stop;
@@ -288,32 +225,21 @@ void Checkpoints::failed(const solve::TimeDriver& driver)
 
 void Checkpoints::write(const solve::TimeDriver& driver, Kept kept)
 {
-  static Event event("io_checkpoint");
-  const Timed timed(event);
   Numbers& numbers = kept.numbers;
   for (const auto& [name, value] : numbers_of(driver.clock())) numbers[name] = value;
   numbers["end"] = driver.end_time();
   numbers["step_length"] = step_length_;
   numbers["step_given"] = step_given_;
-  const std::filesystem::path path = std::filesystem::path(files_.options.output.directory) / kFile;
-  const std::filesystem::path part = path.string() + ".part";
-  try {
-    io::Hdf5File file(files_.comm(), part, io::Hdf5File::Mode::sealed);
-    file.text(kOptions, given_);
-    file.text(kScene, tables().scene());
+  write_checkpoint(files_.comm(), checkpoint_in(files_.options.output.directory), [&](io::Hdf5File& file) {
+    file.text(kGivenOptions, given_);
+    file.text(kStandingScene, tables().scene());
     layout_.write(file);
     if (files_.options.layout.patches_move()) dormant_.write(file);
     if (mover_.follows()) mover_.write(file);
-    write_numbers(file, numbers, rank_in(files_.comm()) == 0);
+    write_numbers(file, numbers);
     write_sums(file, driver);
     tables().write(file, capture(scene_, driver, kept.cracks));
-    file.close();
-    io::rename_durably(files_.comm(), part, path);
-  } catch (...) { // no half of one stays, and what was there is untouched
-    std::error_code none;
-    if (rank_in(files_.comm()) == 0) std::filesystem::remove(part, none);
-    throw;
-  }
+  });
   written_ = MPI_Wtime();
 }
 } // namespace pdx::app

@@ -94,6 +94,7 @@ NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const
 {
   const SceneNames names(scene);
   NamedState state = what_is_owned(scene, names);
+  state.in_time = true;
   state.moving = driver.state();
   if (scene.model->touching) state.grips = scene.model->touching->grips();
   if (cracks) state.cracks = named(*cracks, names);

@@ -220,6 +220,69 @@ void Recorder::stopped_at(Vec u)
   if (ledger_ && files_.summary.steps > 0) write_results(u, {}, nullptr);
 }
 
+RecorderNotes Recorder::notes() const
+{
+  RecorderNotes notes;
+  if (cracks_) notes.marks = cracks_->marks();
+  notes.numbers = {{"converted", converted_}, {"books", ledger_ != nullptr}};
+  if (!ledger_) return notes;
+  const post::EnergyBalance& balance = ledger_->balance();
+  notes.numbers.merge(NamedNumbers{{"work", balance.work},
+                                   {"energy_elements", balance.energies.elements},
+                                   {"energy_bonds", balance.energies.bonds},
+                                   {"energy_interface", balance.energies.interface},
+                                   {"dissipated", balance.energies.dissipated}});
+  for (std::size_t k = 0; k < reactions_.now.size(); ++k) {
+    notes.numbers[fmt::format("reaction_{}", k)] = reactions_.now[k];
+    notes.numbers[fmt::format("peak_{}", k)] = reactions_.peak[k];
+    notes.numbers[fmt::format("peak_load_{}", k)] = reactions_.peak_load[k];
+  }
+  return notes;
+}
+
+std::string Recorder::fault_of(const NamedNumbers& numbers)
+{
+  for (const char* name : {"converted", "books"})
+    if (!numbers.contains(name)) return fmt::format("has no {}", name);
+  if (numbers.at("books") == 0.0) return "";
+  for (const char* name : {"work", "energy_elements", "energy_bonds", "energy_interface", "dissipated"})
+    if (!numbers.contains(name)) return fmt::format("has no {}", name);
+  return "";
+}
+
+void Recorder::take_notes(const RecorderNotes& notes, double load, std::vector<double> u,
+                          std::span<const double> internal_force)
+{
+  const NamedNumbers& n = notes.numbers;
+  converted_ = n.at("converted");
+  load_ = load;
+  files_.summary.steps = static_cast<int>(std::lround(n.at("step")));
+  if (files_.grows()) files_.summary.bonds_broken = d_->fracture->broken();
+  if (!cracks_->take_marks(notes.marks))
+    throw UserError(fmt::format("cannot read '{}': it notes cracks that are not there, or not in order",
+                                options_.time.checkpoint.restart));
+  if (files_.grows()) cracks_->look(*d_, load_);
+  if (n.at("books") == 0.0) return; // of no run whose bonds break, or that has a history
+  post::EnergyBalance balance{n.at("work"), {}};
+  balance.energies.elements = n.at("energy_elements");
+  balance.energies.bonds = n.at("energy_bonds");
+  balance.energies.interface = n.at("energy_interface");
+  balance.energies.dissipated = n.at("dissipated");
+  ledger_ = std::make_unique<post::EnergyLedger>(
+      d_->system, post::LedgerState{std::move(u), post::external_force(d_->system, load, internal_force), balance});
+  const auto series = [&n](const char* name) {
+    std::vector<double> values;
+    for (auto at = n.find(fmt::format("{}_0", name)); at != n.end();
+         at = n.find(fmt::format("{}_{}", name, values.size())))
+      values.push_back(at->second);
+    return values;
+  };
+  reactions_ = {series("reaction"), series("peak"), series("peak_load")};
+  const std::size_t components = 2 * d_->held_parts.size();
+  for (std::vector<double>* values : {&reactions_.now, &reactions_.peak, &reactions_.peak_load})
+    values->resize(components, 0.0);
+}
+
 void Recorder::print_phases(const solve::StaticReport& report)
 {
   const auto& seconds = files_.summary.wall_seconds;

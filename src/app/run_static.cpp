@@ -6,6 +6,7 @@
 #include "pdx/app/patch_mover.hpp"
 #include "pdx/app/recorder.hpp"
 #include "pdx/app/scene.hpp"
+#include "pdx/app/static_checkpoints.hpp"
 #include "pdx/app/support.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/stop_signals.hpp"
@@ -79,8 +80,12 @@ class StaticRun {
 public:
   explicit StaticRun(RunFiles& files)
       : files_(files), assembled_(wants_assembled(files.options)), layout_(Layout::given(files.options)),
-        recorder_(files), mover_(files.options)
-  {}
+        recorder_(files), mover_(files.options), checkpoints_(files, mover_)
+  {
+    if (!checkpoints_.goes_on()) return;
+    layout_ = checkpoints_.layout();
+    dormant_ = checkpoints_.dormant();
+  }
 
   void run()
   {
@@ -92,24 +97,30 @@ public:
     stop_if_told(files_.comm());
     if (mover_.follows()) files_.warn(mover_.begin(d_->view(ground_->mesh), ground_->plan));
     recorder_.built(standing());
-    drive({});
+    solve::LoadPath path(files_.options.load.steps, files_.options.load.halvings);
+    if (checkpoints_.goes_on())
+      resume(path);
+    else
+      drive({});
     files_.started();
-    files_.begin_probes(0, 0.0, u_.get());
-    if (files_.options.output.dry_run) return try_solve();
-    solve::LoadPath path = driver_->path();
-    while (load(path) == Verdict::relayout) files_.told_if_refused([&] { renew(); });
+    files_.begin_probes(driver_->report().steps, load_, u_.get());
+    if (files_.options.output.dry_run) return try_solve(path);
+    if (path.done())
+      recorder_.stopped_at(u_.get()); // there is nothing left to do
+    else if (checkpoints_.goes_on() && change_due(driver_->report().steps, path))
+      change(); // a checkpoint is written before
+    while (load(path) == Verdict::relayout) change();
     recorder_.finish(driver_->report());
   }
 
 private:
   /// The first load, of which nothing breaks and nothing is kept.
-  void try_solve()
+  void try_solve(solve::LoadPath& path)
   {
     DryRun dry(files_);
     dry.fields(0.0, u_.get());
     const auto breaking = std::exchange(d_->system.after, {});
     const double begin = MPI_Wtime();
-    solve::LoadPath path = driver_->path();
     (void)driver_->run(u_.get(), path, [](const solve::Step&, Vec) { return Verdict::stop; });
     dry.solve(MPI_Wtime() - begin);
     dry.tell_loads(files_.options.load.steps, driver_->report().linear_iterations);
@@ -136,6 +147,41 @@ private:
     prior_.energy_release = energy_release(ground_->mesh, options, ground_->plan, ground_->particles, assembled_);
     files_.solved_before += MPI_Wtime() - begin;
     cover_cells(ground_->mesh, ground_->plan, options.mesh);
+  }
+
+  /// From a checkpoint: the scene stands as it was laid there.
+  void resume(solve::LoadPath& path)
+  {
+    StaticCheckpoints::Start start = checkpoints_.start(standing(), path);
+    load_ = start.load;
+    field::set_owned_values(u_.get(), start.u);
+    const std::vector<double> force = internal_force(start.u);
+    recorder_.take_notes(start.notes, load_, std::move(start.u), force);
+    drive(std::move(start.report));
+  }
+
+  void change()
+  {
+    files_.told_if_refused([&] { renew(); });
+  }
+
+  /// Do patches hand back what lies behind an accepted load, or is all to be made anew?
+  bool change_due(int step, const solve::LoadPath& path)
+  {
+    if (path.done()) return false;
+    if (mover_.may_contract()) {
+      change_ = mover_.contract(d_->view(ground_->mesh), ground_->plan, {});
+      if (!change_.empty()) return true;
+    }
+    const int interval = files_.options.layout.renew_interval;
+    if (interval == 0 || step % interval) return false;
+    if (mover_.renews()) change_ = mover_.renewal(d_->view(ground_->mesh));
+    return true;
+  }
+
+  void write_checkpoint(const solve::LoadPath& path)
+  {
+    checkpoints_.write({standing(), layout_, dormant_, path, driver_->report(), recorder_, u_.get(), load_});
   }
 
   void build()
@@ -167,19 +213,16 @@ private:
             load_ = step.load;
             if (mover_.watches())
               files_.warn(mover_.border(d_->view(ground_->mesh), ground_->plan, d_->fracture->broken()));
-            if (mover_.may_contract() && !path.done()) {
-              change_ = mover_.contract(d_->view(ground_->mesh), ground_->plan, {});
-              if (!change_.empty()) return Verdict::relayout;
-            }
-            const int interval = files_.options.layout.renew_interval;
-            if (interval == 0 || step.number % interval || path.done()) return Verdict::go_on;
-            if (mover_.renews()) change_ = mover_.renewal(d_->view(ground_->mesh));
-            return Verdict::relayout;
+            if (checkpoints_.due(step.number, path.done())) write_checkpoint(path);
+            return change_due(step.number, path) ? Verdict::relayout : Verdict::go_on;
           },
           &open_);
     } catch (const SolverFailure&) {
       recorder_.count(driver_->report());
-      files_.after_failure([&] { recorder_.stopped_at(u_.get()); });
+      files_.after_failure([&] {
+        recorder_.stopped_at(u_.get());
+        if (checkpoints_.asked() && driver_->report().steps > 0) write_checkpoint(path);
+      });
       throw;
     } catch (const UserError& loose) { // the steps that were accepted stay
       recorder_.count(driver_->report());
@@ -190,8 +233,14 @@ private:
       recorder_.count(driver_->report());
       recorder_.stopped_at(u_.get());
       const int steps = driver_->report().steps;
-      throw Stopped(fmt::format("{} after {} load step{}: results are those of the last of them", stop.what(), steps,
-                                steps == 1 ? "" : "s"));
+      std::string words = fmt::format("{} after {} load step{}: results are those of the last of them", stop.what(),
+                                      steps, steps == 1 ? "" : "s");
+      if (steps > 0) {
+        write_checkpoint(path);
+        words +=
+            fmt::format("; checkpoint written to {}; go on with -restart {}", checkpoints_.file(), checkpoints_.file());
+      }
+      throw Stopped(words);
     }
   }
 
@@ -310,6 +359,7 @@ private:
   Recorder recorder_;
   Prior prior_;
   PatchMover mover_;
+  StaticCheckpoints checkpoints_;
   adapt::LayoutChange change_; // to come
   Dormant dormant_;
   std::optional<solve::OpenStep> open_; // a load that it comes within

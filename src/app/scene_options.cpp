@@ -276,9 +276,9 @@ void judge_time(const SceneOptions& s)
   PatchMover::judge(s);
   if (!s.output.times.empty() && !Options("output").given("-output_fields"))
     throw UserError("-output_times say when fields are written: give -output_fields too");
-  if (s.time.checkpoint.any() && s.time.analysis != Analysis::explicit_dynamics)
-    throw UserError(
-        "-checkpoint_... and -restart are for explicit steps in time: give -analysis explicit, or drop them");
+  if (s.time.checkpoint.any() && s.time.analysis == Analysis::implicit_dynamics)
+    throw UserError("-checkpoint_... and -restart: implicit steps have no checkpoint; give -analysis explicit or "
+                    "static, or drop them");
   if (s.layout.rebalance_threshold > 0.0 && s.time.analysis != Analysis::explicit_dynamics)
     throw UserError("-rebalance_threshold deals out the work of explicit steps: give -analysis explicit, or drop it");
   if (s.layout.renew_interval > 0 && s.time.analysis == Analysis::implicit_dynamics)

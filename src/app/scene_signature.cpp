@@ -37,10 +37,12 @@ constexpr std::string_view kMayChange[] = {"-output_",
                                            "-mesh_file", // compared by what they say
                                            "-post_"};
 constexpr std::string_view kMayNotChange[] = {"-post_tip_damage"}; // of these: tips so far were found by it
+constexpr std::string_view kPathOfLoads[] = {"-analysis", "-load_steps", "-bc_"}; // likewise, in statics
 
-bool belongs(const std::string& name)
+bool belongs(const std::string& name, bool in_time)
 {
   const auto begins = [&](std::string_view beginning) { return name.starts_with(beginning); };
+  if (!in_time && std::ranges::any_of(kPathOfLoads, begins)) return true;
   return std::ranges::any_of(kMayNotChange, begins) || std::ranges::none_of(kMayChange, begins);
 }
 
@@ -120,7 +122,7 @@ std::string given_scene(MPI_Comm comm, const SceneOptions& scene)
   const auto& known = documented_options();
   const std::vector<OptionDoc> docs(known.begin(), known.end()); // a copy: reading adds to them
   for (const OptionDoc& doc : docs)
-    if (belongs(doc.name)) text += fmt::format("{} = {}\n", doc.name, value_of(options, doc));
+    if (belongs(doc.name, scene.time.dynamic())) text += fmt::format("{} = {}\n", doc.name, value_of(options, doc));
   if (options.given("-mesh_file")) {
     int rank = 0;
     MPI_Comm_rank(comm, &rank);

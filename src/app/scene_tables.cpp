@@ -14,6 +14,7 @@
 
 namespace pdx::app {
 namespace {
+constexpr const char* kVelocity = "/velocity"; // in time only
 constexpr const char* kInner = "/inner";
 constexpr const char* kGripNames = "/grip_names";
 constexpr const char* kGrips = "/grips";
@@ -161,9 +162,11 @@ void SceneTables::write(io::Hdf5File& file, const NamedState& state) const
     file.dataset(name, std::span<const double>(block), state.dim);
   };
   table("/displacement", state.moving.u);
-  table("/velocity", state.moving.v);
-  table("/acceleration", state.moving.a);
-  table("/held_force", state.moving.held);
+  if (state.in_time) {
+    table(kVelocity, state.moving.v);
+    table("/acceleration", state.moving.a);
+    table("/held_force", state.moving.held);
+  }
   if (const auto& steps = model_.system.steps) {
     const std::vector<double> block = row_order_->to_table(state.moving.inner, steps->width());
     file.dataset(kInner, std::span<const double>(block), steps->width());
@@ -246,11 +249,13 @@ NamedState read_tables(MPI_Comm comm, const io::SealedReader& file, int dim)
   NamedState state;
   state.dim = dim;
   state.rows = names_of(Share<std::uint64_t>(comm, file, rows).read(kRows, 0, 1));
-  state.moving = {values.read("/displacement", 0, dim),
-                  values.read("/velocity", 0, dim),
-                  values.read("/acceleration", 0, dim),
-                  values.read("/held_force", 0, dim),
-                  {}};
+  state.moving.u = values.read("/displacement", 0, dim);
+  state.in_time = file.has(kVelocity);
+  if (state.in_time) {
+    state.moving.v = values.read(kVelocity, 0, dim);
+    state.moving.a = values.read("/acceleration", 0, dim);
+    state.moving.held = values.read("/held_force", 0, dim);
+  }
   if (file.has(kInner)) state.moving.inner = values.read(kInner, 0, static_cast<int>(file.shape(kInner)[1]));
   const bool breaks = file.has(kWords);
   const std::int64_t particles = breaks ? file.shape(kWords)[0] : 0;

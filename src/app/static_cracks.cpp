@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 namespace pdx::app {
-StaticCracks::StaticCracks(const RunFiles& files)
-    : files_(files), now_(crack_state(files.scene.d->cracks, files.scene.d->body))
+StaticCracks::StaticCracks(const RunFiles& files) : files_(files)
 {
-  const crack::CrackSet& cracks = files.scene.d->cracks;
+  const crack::CrackSet cracks = cracks_in(files.options, files.scene.d->body); // as they were given
+  now_ = crack_state(cracks, files.scene.d->body);
   if (!now_.ends.empty()) given_length_ = length_inside(cracks, now_.ends[0].given.crack, files.scene.d->body);
   marks_.resize(now_.ends.size());
 }
@@ -41,8 +41,28 @@ void StaticCracks::look(const Discretisation& d, double load)
   now_ = crack_state(d, now_);
   for (std::size_t k = 0; k < now_.ends.size(); ++k) {
     std::vector<Mark>& marks = marks_[k];
-    if (now_.ends[k].grown > (marks.empty() ? 0.0 : marks.back().grown)) marks.push_back({load, now_.ends[k].grown});
+    if (now_.ends[k].grown > (marks.empty() ? 0.0 : marks.back().grown)) marks.push_back({k, load, now_.ends[k].grown});
   }
+}
+
+std::vector<StaticCracks::Mark> StaticCracks::marks() const
+{
+  std::vector<Mark> all;
+  for (const std::vector<Mark>& marks : marks_) all.insert(all.end(), marks.begin(), marks.end());
+  return all;
+}
+
+bool StaticCracks::take_marks(std::span<const Mark> marks)
+{
+  for (const Mark& mark : marks) {
+    if (mark.end >= marks_.size()) return false;
+    std::vector<Mark>& of_end = marks_[mark.end];
+    const Mark before = of_end.empty() ? Mark{} : of_end.back();
+    if (!(mark.load > before.load && mark.grown > before.grown)) return false;
+    of_end.push_back(mark);
+    now_.ends[mark.end].grown = mark.grown;
+  }
+  return true;
 }
 
 /// The load at which a tip had come as far.

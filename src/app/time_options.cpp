@@ -65,7 +65,8 @@ CheckpointOptions CheckpointOptions::read()
 {
   Options o("checkpoint");
   CheckpointOptions c;
-  c.interval = o.integer("-checkpoint_interval", 0, "steps from one checkpoint.h5 to the next; 0: none", {0.0, 1e9});
+  c.interval = o.integer("-checkpoint_interval", 0,
+                         "steps, or loads accepted, from one checkpoint.h5 to the next; 0: none", {0.0, 1e9});
   c.seconds = o.real("-checkpoint_wall_seconds", 0.0, "s", "wall time from one checkpoint.h5 to the next; 0: none",
                      Range::at_least(0.0));
   c.restart = o.text("-restart", "", "checkpoint.h5 to go on from, on any number of ranks");

@@ -147,7 +147,8 @@ void CrackSet::add(const Polyline& points, const Inside& inside, double prolong,
     const Vector<2> out = last ? direction(points[end - 1], at) : direction(points[1], at);
     if (const int other = joins(at); other >= 0) {
       junctions_.push_back({size(), other, at});
-      crack.seen.insert(last ? crack.seen.end() : crack.seen.begin(), at + 2.0 * kJunctionShare * prolong * out);
+      // Not a point more: a piece as short would point where rounding says.
+      (last ? crack.seen.back() : crack.seen.front()) = at + 2.0 * kJunctionShare * prolong * out;
       continue;
     }
     if (inside(at)) {

@@ -1,6 +1,5 @@
 #include "pdx/xfem/cut.hpp"
 
-#include "pdx/geom/polygon.hpp"
 #include "pdx/mesh/locate.hpp"
 
 namespace pdx::xfem {
@@ -47,6 +46,13 @@ CutCell cut_by_grid(const fem::Corners& corners, const CornerDistances& distance
 CutCell cut_cell(const fem::Corners& corners, const CornerDistances& distance, Quadrature quadrature, int subcells)
 {
   return quadrature == Quadrature::grid ? cut_by_grid(corners, distance, subcells) : cut_by_polygons(corners, distance);
+}
+
+void add_part_points(const fem::Corners& corners, const geom::Polygon& part, Side side, CutCell& cell)
+{
+  const std::vector<PartPoint> points = polygon_points(corners, part);
+  std::vector<PartPoint>& all = cell.parts[static_cast<std::size_t>(side)];
+  all.insert(all.end(), points.begin(), points.end());
 }
 
 CutCell whole_cell(const fem::Corners& corners, Side side)

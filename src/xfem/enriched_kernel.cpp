@@ -11,7 +11,7 @@ SideMap side_map(const EnrichedElement& element, Side side)
   for (int a = 0; a < 4; ++a) {
     const auto corner = static_cast<std::size_t>(a);
     if (!element.enriched[corner]) continue;
-    map.block<2, 2>(2 * a, column) = shifted_step(side, element.side[corner]) * Tensor<2>::Identity();
+    map.block<2, 2>(2 * a, column) = element.factor(corner, side) * Tensor<2>::Identity();
     column += 2;
   }
   return map;

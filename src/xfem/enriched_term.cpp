@@ -99,7 +99,7 @@ template <class Visit> void EnrichedTerm::for_each_side(Visit&& visit) const
       std::array<Index, 4> rows;
       std::size_t set = 4;
       for (std::size_t a = 0; a < 4; ++a) {
-        const bool far = part.element->enriched[a] && side != part.element->side[a];
+        const bool far = part.element->enriched[a] && part.element->factor(a, side) != 0.0;
         rows[a] = part.rows[far ? set : a];
         set += part.element->enriched[a];
       }

@@ -42,8 +42,6 @@ private:
   void read_head();
   void stand_on(const Standing& scene, const Layout& layout);
   SceneTables& tables();
-  /// Throws UserError where a text of "name = value" lines in the file is not this run's.
-  void refuse_another(const char* text, const std::string& mine) const;
   void read_sums(solve::TimeDriver::Clock& clock) const;
   void write(const solve::TimeDriver& driver, Kept kept);
   void write_sums(io::Hdf5File& file, const solve::TimeDriver& driver) const;

@@ -25,7 +25,8 @@ struct NamedCracks {
 struct NamedState {
   int dim = 2;
   std::vector<field::RowName> rows; ///< RowName() for none
-  field::State moving;              ///< of `rows`, in time; empty in statics
+  bool in_time = false;
+  field::State moving; ///< of `rows`; in statics the displacement alone, put there by who asks for it
   std::vector<field::RowName> particles;
   int words_per_particle = 0;      ///< 0 where nothing can break
   std::vector<std::uint64_t> gone; ///< bonds that broke or were cut, so many words for each of `particles`

@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/app/checkpoint_file.hpp"
 #include "pdx/app/named_state.hpp"
 #include "pdx/app/static_cracks.hpp"
 #include "pdx/post/error_norm.hpp"
@@ -9,6 +10,12 @@ namespace pdx::app {
 struct Prior {
   std::vector<double> reference;      ///< elements-only displacement per local vertex [m]
   std::vector<double> energy_release; ///< -dPi/da of each tip [J/m^2]
+};
+
+/// Running values that a restarted run needs.
+struct RecorderNotes {
+  NamedNumbers numbers;
+  std::vector<StaticCracks::Mark> marks;
 };
 
 /// What a static run adds to its files: energies, reactions, cracks and J of accepted loads. All methods are
@@ -28,6 +35,14 @@ public:
   void count(const solve::StaticReport& report); ///< what it cost so far, for the summary
   void finish(const solve::StaticReport& report);
   void stopped_at(Vec u); ///< the solver gave up: results and fields of the last accepted step
+
+  RecorderNotes notes() const;
+  /// What is wrong with the numbers among notes, "" if nothing is.
+  static std::string fault_of(const NamedNumbers& numbers);
+  /// Goes on from the notes of another run, whose state the scene has taken over. Throws UserError for notes that do
+  /// not fit it.
+  void take_notes(const RecorderNotes& notes, double load, std::vector<double> u,
+                  std::span<const double> internal_force);
 
 private:
   /// Force on each held part, and the largest of each component so far with its load.

@@ -9,7 +9,13 @@ namespace pdx::app {
 /// from the cracks that were given, wherever patches are now. `look` is collective.
 class StaticCracks {
 public:
-  explicit StaticCracks(const RunFiles& files); ///< the scene stands as it was given
+  /// How far a tip had come at a load.
+  struct Mark {
+    std::size_t end = 0;
+    double load = 0.0, grown = 0.0; ///< [-], [m]
+  };
+
+  explicit StaticCracks(const RunFiles& files); ///< a scene stands
 
   void add_columns(std::vector<io::Column>& columns) const;
   void add_row(std::vector<double>& row) const;
@@ -19,10 +25,11 @@ public:
   const CrackState& now() const { return now_; }
   void write_paths() const; ///< if bonds can break. Collective.
 
+  std::vector<Mark> marks() const; ///< of all tips, tip by tip
+  /// Goes on from those of another run of the same cracks. False if they are of others.
+  bool take_marks(std::span<const Mark> marks);
+
 private:
-  struct Mark {
-    double load = 0.0, grown = 0.0; // how far a tip had come [-], [m]
-  };
   double load_at(std::size_t end, double distance) const;
 
   const RunFiles& files_;

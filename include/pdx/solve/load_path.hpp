@@ -15,6 +15,15 @@ public:
   void advance();                                  ///< the target was reached
   bool halve();                                    ///< it was not; false: this is the smallest part already
 
+  /// Where a path is, whatever halvings it allows.
+  struct Place {
+    int increments = 0;            ///< reached as a whole
+    double done = 0.0, size = 1.0; ///< of the next one: reached, and tried now; powers of two and their sums [-]
+  };
+  Place place() const;
+  /// Goes on from there. False, and nothing has changed: it lies within a part smaller than any of this path.
+  bool go_on_from(const Place& place);
+
 private:
   int increments_, increment_ = 0;
   std::int64_t parts_, at_ = 0, size_; // parts of an increment: all, done, tried now

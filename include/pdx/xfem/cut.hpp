@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/fem/shape.hpp"
+#include "pdx/geom/polygon.hpp"
 #include "pdx/xfem/heaviside.hpp"
 
 #include <span>
@@ -34,6 +35,9 @@ struct CutCell {
 /// @param corners counter-clockwise [m]   @param subcells per direction, for the grid only
 CutCell cut_cell(const fem::Corners& corners, const CornerDistances& distance, Quadrature quadrature,
                  int subcells = kGridSubcells);
+
+/// Adds the points of a convex part of a cell to a side.
+void add_part_points(const fem::Corners& corners, const geom::Polygon& part, Side side, CutCell& cell);
 
 /// A cell that lies on one side as a whole, with the 2 x 2 Gauss points of a plain element.
 CutCell whole_cell(const fem::Corners& corners, Side side);
