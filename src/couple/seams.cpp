@@ -124,8 +124,8 @@ bool on_border(const PatchShape& shape, const Vector<2>& a, const Vector<2>& b)
     const double face = shape.line(side.axis, side.at);
     if (std::abs(a[d] - face) > near || std::abs(b[d] - face) > near) return false;
     const auto [low, high] = std::minmax(a[1 - d], b[1 - d]);
-    const double shared = std::min(high, shape.line(1 - side.axis, side.to)) -
-                          std::max(low, shape.line(1 - side.axis, side.from));
+    const double shared =
+        std::min(high, shape.line(1 - side.axis, side.to)) - std::max(low, shape.line(1 - side.axis, side.from));
     return shared > near || !inside;
   });
 }
