@@ -29,6 +29,13 @@ void refuse_controls(const OptionWord& word, const std::string& place)
     refuse(place, fmt::format("\"{}\" has the control character {}", shown(word.text), shown({&*control, 1})));
 }
 
+/// A name with a sign of other formats behind it, or with a no-break space, which looks like a blank.
+bool ends_oddly(const std::string& name)
+{
+  return std::string_view(":;,").find(name.back()) != std::string_view::npos ||
+         name.find("\u00a0") != std::string::npos;
+}
+
 /// One value from its words: a list may have blanks after or before its commas.
 std::string joined(const std::string& name, std::span<const OptionWord> values, const std::string& place)
 {
@@ -159,6 +166,8 @@ void OptionReader::take_option(const std::string& name, Words values, const std:
   if (take_flag(name, values, place)) return;
   if (name.find('=') != std::string::npos)
     refuse(place, fmt::format("\"{}\": write a blank instead of =", shown(name)));
+  if (ends_oddly(name))
+    refuse(place, fmt::format("\"{}\" is no option: a plain blank belongs behind a name, and no sign", shown(name)));
   if (name.size() > kLongestName) refuse(place, fmt::format("\"{}\" is no option of pdxsolve", shown(name)));
   const std::string value = joined(name, values, place);
   if (std::ranges::find(kYaml, name) != kYaml.end())

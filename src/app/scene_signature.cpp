@@ -1,6 +1,7 @@
 #include "pdx/app/scene_signature.hpp"
 
 #include "pdx/base/fingerprint.hpp"
+#include "pdx/base/given_options.hpp"
 #include "pdx/base/options.hpp"
 #include "pdx/base/quantity.hpp"
 #include "pdx/io/disk_file.hpp"
@@ -93,6 +94,23 @@ std::uint64_t hash_of_file(const std::string& path)
   }
   return hash;
 }
+
+/// The hash of the file that an option names, alike on every rank; 0 where none is named.
+std::uint64_t hash_of_named(MPI_Comm comm, const Options& options, const std::string& name)
+{
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  std::uint64_t hash = rank || !options.given(name) ? 0 : hash_of_file(given_option(name)->value);
+  MPI_Bcast(&hash, 1, MPI_UINT64_T, 0, comm);
+  return hash;
+}
+
+/// A file of points, or of what they fill, which may lie anywhere as long as it is the same.
+bool names_points(const std::string& name)
+{
+  return name.starts_with("-mpm_") && (name.ends_with("_file") || name.ends_with("_mesh"));
+}
+
 std::string lines_of(const SceneOptions& options)
 {
   const law::Elastic& m = options.elastic;
@@ -121,15 +139,15 @@ std::string given_scene(MPI_Comm comm, const SceneOptions& scene)
   std::string text = lines_of(scene);
   const auto& known = documented_options();
   const std::vector<OptionDoc> docs(known.begin(), known.end()); // a copy: reading adds to them
+  const auto hashed = [&](const std::string& name) {
+    return fmt::format("{} = {:016x}\n", name, hash_of_named(comm, options, name));
+  };
   for (const OptionDoc& doc : docs)
-    if (belongs(doc.name, scene.time.dynamic())) text += fmt::format("{} = {}\n", doc.name, value_of(options, doc));
-  if (options.given("-mesh_file")) {
-    int rank = 0;
-    MPI_Comm_rank(comm, &rank);
-    std::uint64_t hash = rank ? 0 : hash_of_file(options.text("-mesh_file", "", ""));
-    MPI_Bcast(&hash, 1, MPI_UINT64_T, 0, comm);
-    text += fmt::format("mesh file = {:016x}\n", hash);
-  }
+    if (names_points(doc.name))
+      text += hashed(doc.name);
+    else if (belongs(doc.name, scene.time.dynamic()))
+      text += fmt::format("{} = {}\n", doc.name, value_of(options, doc));
+  if (options.given("-mesh_file")) text += hashed("-mesh_file");
   return text;
 }
 } // namespace pdx::app

@@ -98,7 +98,8 @@ Vector<2> PatchGrid::point(Index node) const
 couple::Host PatchGrid::host(Index node, const Vector<2>& x) const
 {
   const Vector<2> at = point(node);
-  return *around_.edge_host(at, x - at);
+  const auto seen = around_.edge_host(at, x - at);
+  return seen ? *seen : *around_.edge_host(at, Vector<2>::Zero()); // beyond a seam: near enough for a coarse level
 }
 
 std::array<Index, 4> PatchGrid::corners(Index cell) const

@@ -110,18 +110,23 @@ private:
   std::map<std::size_t, std::vector<std::size_t>> leaving_; // per point: the other ends
 };
 
-/// True for sides that lie on a side of the patch, outwards by no more than rounding.
+/// True for sides that lie along a side of the patch, outwards by no more than rounding, or only touch it as they go on
+/// from it outside: not for those that go on from it inside, from a corner where two boxes meet.
 bool on_border(const PatchShape& shape, const Vector<2>& a, const Vector<2>& b)
 {
   const double near = 1e-6 * shape.lattice.dx;
+  const Vector<2> middle = 0.5 * (a + b), margin = Vector<2>::Constant(near);
+  const bool inside = std::ranges::any_of(shape.boxes, [&](const geom::Box<2>& box) {
+    return geom::Box<2>{box.lower - margin, box.upper + margin}.contains(middle);
+  });
   return std::ranges::any_of(geom::straight_sides(shape.active), [&](const geom::StraightSide& side) {
     const auto d = static_cast<Eigen::Index>(side.axis);
     const double face = shape.line(side.axis, side.at);
-    const auto beside = [&](const Vector<2>& x) { // a side may be longer than that of the patch
-      return !shape.active.is_box() && (x[1 - d] < shape.line(1 - side.axis, side.from) - near ||
-                                        x[1 - d] > shape.line(1 - side.axis, side.to) + near);
-    };
-    return std::abs(a[d] - face) < near && std::abs(b[d] - face) < near && !(beside(a) && beside(b));
+    if (std::abs(a[d] - face) > near || std::abs(b[d] - face) > near) return false;
+    const auto [low, high] = std::minmax(a[1 - d], b[1 - d]);
+    const double shared =
+        std::min(high, shape.line(1 - side.axis, side.to)) - std::max(low, shape.line(1 - side.axis, side.from));
+    return shared > near || !inside;
   });
 }
 } // namespace
@@ -147,7 +152,7 @@ crack::CrackSet find_seams(const mesh::Mesh& mesh, std::span<const PatchShape> p
   for (const Side& side : sides) chosen.insert(std::minmax(whole.number(side.a), whole.number(side.b)));
 
   std::vector<crack::Polyline> lines;
-  std::set<Point> inside; // ends that are not mouths
+  std::set<Point> inside, mouths; // ends in the material, and where a seam leaves it, perhaps to go on along a border
   for (auto [a, b] : chosen) {
     if (a == b) continue;
     const Vector<2> along = whole.direction(a, b);
@@ -161,13 +166,16 @@ crack::CrackSet find_seams(const mesh::Mesh& mesh, std::span<const PatchShape> p
     };
     if (kept(a, before)) line.insert(line.begin(), whole.point(*before));
     if (kept(b, after)) line.push_back(whole.point(*after));
-    for (const std::size_t end : {a, b})
-      if (whole.tip(end)) inside.insert({whole.point(end)[0], whole.point(end)[1]});
+    for (const auto& [end, next] : {std::pair(a, before), std::pair(b, after)})
+      if (whole.tip(end) || !kept(end, next))
+        (whole.tip(end) ? inside : mouths).insert({whole.point(end)[0], whole.point(end)[1]});
     if (kept(a, before)) inside.insert({line.front()[0], line.front()[1]});
     if (kept(b, after)) inside.insert({line.back()[0], line.back()[1]});
     lines.push_back(std::move(line));
   }
-  const auto ends_there = [&inside](const Vector<2>& x) { return inside.contains({x[0], x[1]}); };
+  const auto ends_there = [&](const Vector<2>& x) {
+    return inside.contains({x[0], x[1]}) && !mouths.contains({x[0], x[1]});
+  };
   return {std::move(lines), ends_there, kProlong * mesh.bounds().size().maxCoeff()};
 }
 } // namespace pdx::couple

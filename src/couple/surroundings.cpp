@@ -54,6 +54,19 @@ struct Surroundings::Trace {
   /// Edges that meet in a node, not in two of the same place.
   static bool joined(const Edge& before, const Edge& after) { return before.rows[1] == after.rows[0]; }
 
+  /// Is s on an edge that hangs together with the patch at `from`? Not where the mesh is parted from the patch or ends
+  /// between two edges, nor at the end of edges whose side of a seam is not that of `from` (if `seen` from there).
+  bool reaches(double s, double near, bool seen) const
+  {
+    const Edge *const first = edges.data(), *const last = first + edges.size() - 1;
+    const Edge* edge = edge_at(s);
+    if (s > edge->end + near && edge != last) ++edge;
+    if (s < edge->begin - near || s > edge->end + near) return false;
+    const bool begins = s < edge->begin + near && (edge == first || (edge - 1)->end < edge->begin - near);
+    const bool ends = s > edge->end - near && (edge == last || (edge + 1)->begin > edge->end + near);
+    return !seen || !seams || !(begins || ends) || !seams->cuts(from, point(0.5 * (edge->begin + edge->end)));
+  }
+
   /// Where the nodes are doubled at s, the edge on whose side of the seam `from` lies.
   const Edge* edge_beside(double s, bool& parted) const
   {
@@ -241,6 +254,7 @@ bool Surroundings::host_on(const Side& side, const Vector<2>& x, const Vector<2>
   const Index cells = side.cells();
   const double cell = std::clamp(std::floor((s + towards - start) / dx), 0.0, cells - 1.0);
   const Trace trace{side.edges, cracks_, seams_, x + inward, side.face, 1 - d};
+  if (!trace.reaches(s, near, !inward.isZero())) return false;
   const auto over = [&](const std::array<double, 2>& rows, Host& mean) {
     return trace.mean_over({start + rows[0] * dx, start + rows[1] * dx}, s, mean);
   };

@@ -86,6 +86,8 @@ CASES = [
     plate("two options on a line", "-mesh_lower 0,0 -quiet", AT + r"\"-quiet\" is a second option on the line"),
     plate("an equals sign", "-mesh_lower = 0,0", AT + r"-mesh_lower = \.\.\.: drop the sign ="),
     plate("an equals sign without blanks", "-mesh_lower=0,0", AT + r"\"-mesh_lower=0,0\": write a blank instead of ="),
+    plate("a colon", "-mesh_lower: 0,0", AT + r"\"-mesh_lower:\" is no option: a plain blank belongs"),
+    plate("a blank that is none", "-mesh_lower\u00a00,0", AT + r"\"-mesh_lower\\u\{00a0\}0,0\" is no option: a plain blank belongs"),
     plate("no dash", "mesh_lower 0,0", AT + r"\"mesh_lower\" is no option"),
     plate("a typeset dash", "\u2013mesh_lower 0,0", AT + r"\"\\u\{2013\}mesh_lower\" is no option"),
     plate("a quote without end", "-mesh_lower '0,0", AT + r".*quote that does not end"),

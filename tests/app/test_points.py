@@ -203,10 +203,27 @@ class Points(program.ProgramTest):
         for name in ("energy_points", "momentum_x", "work"):
             self.assertAlmostEqual(dealt.history()[-1][name] / whole[name], 1.0, delta=1e-9)
 
-    def test_points_of_a_file_are_those_of_the_box(self):
-        file = self.scratch / "bar.csv"
+    def bar_file(self, name):
+        """The points of BAR's box."""
+        file = self.scratch / name
         places = [((i + 0.5) * 1e-3, (j + 0.5) * 1e-3) for j in range(8) for i in range(40)]
         file.write_text("x,y,volume\n" + "".join(f"{x:.17g},{y:.17g},1e-6\n" for x, y in places), encoding="utf-8")
+        return file
+
+    def test_a_restart_knows_the_points_of_a_file_wherever_it_lies(self):
+        file, directory = self.bar_file("bar.csv"), self.scratch / "begun"
+        scene = BAR | {"-mpm_bar_box": None, "-mpm_bar_file": str(file)}
+        self.solve(scene | {"-ts_max_steps": "10", "-checkpoint_interval": "10"}, directory=directory)
+        on = scene | {"-ts_max_steps": "20", "-restart": str(directory / "checkpoint.h5")}
+        self.solve(on | {"-mpm_bar_file": str(file.rename(self.scratch / "moved.csv"))})
+        other = self.bar_file("bar.csv")
+        other.write_text(other.read_text(encoding="utf-8") + "0.0405,0.0005,1e-6\n", encoding="utf-8")
+        run = self.launch(on)
+        self.assertEqual((run.status, run.err.count("\n")), (1, 1), run.err)
+        self.assertIn('of another scene, which has "-mpm_bar_file = ', run.err)
+
+    def test_points_of_a_file_are_those_of_the_box(self):
+        file = self.bar_file("bar.csv")
         box, read = (self.solve(scene | {"-ts_max_steps": "50"})
                      for scene in (BAR, BAR | {"-mpm_bar_box": None, "-mpm_bar_file": str(file)}))
         for a, b in zip(box.history(), read.history(), strict=True):

@@ -45,7 +45,7 @@ class Case:
 
 
 class Inputs:
-    """Makes cases in a scratch directory. The checkpoint must lie there as checkpoint.h5 before."""
+    """Makes cases in a scratch directory, where the checkpoints of seeds.BEFORE must lie before."""
 
     def __init__(self, scratch, seed, kinds):
         self.scratch, self.random = scratch, random.Random(seed)
@@ -90,10 +90,10 @@ class Inputs:
         return case
 
     def text_file(self):
-        return self.damaged([s for s in self.files if "text" in s or s in ("motion", "cracks", "cloud_csv")], mutations.text)
+        return self.damaged([s for s in self.files if "text" in s or s in ("motion", "cracks", "cloud_csv", "points")], mutations.text)
 
     def binary_file(self):
-        return self.damaged([s for s in self.files if "binary" in s] + ["cloud_h5", "restart"], mutations.binary)
+        return self.damaged([s for s in self.files if "binary" in s] + ["cloud_h5", "restart", "restart_mixed"], mutations.binary)
 
     def hdf5_file(self):
         def damage(rng, data):
@@ -102,7 +102,7 @@ class Inputs:
             mutations.hdf5(rng, path)
             return path.read_bytes()
 
-        return self.damaged(["cloud_h5", "restart"], damage)
+        return self.damaged(["cloud_h5", "restart", "restart_mixed"], damage)
 
     def damaged(self, scenes, damage):
         scene = self.random.choice(scenes)
@@ -202,11 +202,12 @@ def main():
         inputs = Inputs(scratch, arguments.seed, arguments.kind)
         run = lambda cases: run_whole(executable, cases, arguments.ranks) if arguments.whole else run_together(executable, cases, arguments.ranks, scratch)
 
-        before = inputs.good("before", seeds.BEFORE_RESTART)
-        faults = [(case, wrong or f"status {status}") for case, wrong, status in run([before]) if wrong or status]
+        before = {name: inputs.good("before " + name, text) for name, text in seeds.BEFORE.items()}
+        faults = [(case, wrong or f"status {status}") for case, wrong, status in run(list(before.values())) if wrong or status]
         if faults:
-            raise SystemExit(f"fuzz: the scene before the restart is right, but ends with {faults[0][1]}")
-        shutil.copy(before.directory / "out" / "checkpoint.h5", scratch)
+            raise SystemExit(f"fuzz: the scene {faults[0][0].name} is right, but ends with {faults[0][1]}")
+        for name, case in before.items():
+            shutil.copy(case.directory / "out" / "checkpoint.h5", scratch / name)
         if not arguments.kind:
             right = [inputs.good(scene) for scene in seeds.SCENES]
             faults += [(case, wrong or f"is right, but ends with status {status}") for case, wrong, status in run(right) if wrong or status]

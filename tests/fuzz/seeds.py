@@ -16,6 +16,12 @@ PATCH = "-pd_patches 0.25,0.25,0.75,0.75\n-pd_spacing 0.0625\n-pd_horizon_ratio 
 MOVING = "-analysis explicit\n-material_density 1000\n-ts_max_steps 4\n"
 CLOUD = MATERIAL + MOVING + "-pd_horizon 0.3\n-bc_names left\n-bc_left_box -0.05,-0.05,0.05,1\n-bc_left_velocity 1,free\n"
 
+# Two bodies of points that touch, one of them from a file; the second with four particles, and a mesh of elements that strikes it.
+POINTS = MATERIAL + MOVING + "-mpm_bodies one,two\n-mpm_spacing 0.1\n-mpm_one_file {dir}/points.csv\n-mpm_one_velocity 1,0\n-mpm_two_box 0.8,0,1.6,0.4\n"
+FRICTION = "-contact_friction 0.3\n-mpm_bulk_viscosity 0.06\n-probe_names p\n-probe_p_at 1.2,0.2\n-probe_p_field displacement,stress\n"
+MIXED = POINTS + FRICTION + "-mesh_lower 1.6,0\n-mesh_upper 2.4,0.4\n-mesh_cells 4,2\n-pd_patches 1,0,1.4,0.4\n-pd_spacing 0.1\n-pd_horizon_ratio 3\n-pd_critical_stretch 0.01\n"
+CONVERTED = "-adapt expand\n-adapt_trigger stretch,damage\n-adapt_stretch 1e-6\n-adapt_margin 1\n"
+
 # Options of each scene; {dir} is where the files of FILES are.
 SCENES = {
     "plate": BOX + MATERIAL + HELD,
@@ -24,14 +30,22 @@ SCENES = {
     "cracks": BOX + MATERIAL + HELD + PATCH + "-crack_file {dir}/cracks.txt\n",
     "cloud_csv": CLOUD + "-pd_cloud {dir}/cloud.csv\n",
     "cloud_h5": CLOUD + "-pd_cloud {dir}/cloud.h5\n",
+    "points": POINTS + FRICTION,
+    "points_updated": POINTS + "-mpm_formulation updated\n-mpm_shape gimp\n-mpm_order usl\n-mpm_pic 0.1\n",
+    "mixed": MIXED + CONVERTED,
+    "relocated": BOX + MATERIAL + HELD + PATCH + MOVING + "-adapt relocate\n-adapt_every 1\n-pd_critical_stretch 1e-7\n",
+    "restart_mixed": MIXED.replace("steps 4", "steps 8") + CONVERTED + "-restart {dir}/mixed.h5\n",
     "restart": BOX + MATERIAL + HELD + PATCH + MOVING.replace("steps 4", "steps 8") + "-restart {dir}/checkpoint.h5\n",
 } | {
     f"gmsh_{version}_{kind}": f"-mesh_file {{dir}}/{version}_{kind}.msh\n" + MATERIAL + HELD
     for version in ("2.2", "4.1")
     for kind in ("text", "binary")
 }
-# What makes the checkpoint of `restart`.
-BEFORE_RESTART = BOX + MATERIAL + HELD + PATCH + MOVING + "-checkpoint_interval 4\n"
+# What makes the checkpoints of `restart` and `restart_mixed`, by the names of their files.
+BEFORE = {
+    "checkpoint.h5": BOX + MATERIAL + HELD + PATCH + MOVING + "-checkpoint_interval 4\n",
+    "mixed.h5": MIXED + CONVERTED + "-checkpoint_interval 4\n",
+}
 
 
 def cloud_points():
@@ -42,13 +56,15 @@ def cloud_points():
 
 
 def write_files(directory):
-    """Writes what the scenes read, but for the checkpoint; {scene: name of its file}."""
+    """Writes what the scenes read, but for the checkpoints; {scene: name of its file}."""
     position, volume, sets = cloud_points()
     rows = [f"{x:.17g},{y:.17g},{v:.17g},{s}" for (x, y), v, s in zip(position, volume, sets)]
     (directory / "cloud.csv").write_text("x,y,volume,set\n" + "\n".join(rows) + "\n")
     with h5py.File(directory / "cloud.h5", "w") as file:
         file["position"], file["volume"], file["set"] = position, volume, sets
     (directory / "history.csv").write_text("time,value\n0,0\n1e-4,1\n2e-4,0.5\n1,0.5\n")
+    sites = [(0.05 + 0.1 * i, 0.05 + 0.1 * j) for j in range(4) for i in range(8)]
+    (directory / "points.csv").write_text("x,y,volume\n" + "".join(f"{x:.17g},{y:.17g},0.01\n" for x, y in sites))
     (directory / "cracks.txt").write_text("# cracks\n0,0.5 0.4,0.5\n0.6,0.55,0.7,0.55\n")
     for version in ("2.2", "4.1"):
         for kind in ("text", "binary"):
@@ -59,4 +75,6 @@ def write_files(directory):
         "cloud_csv": "cloud.csv",
         "cloud_h5": "cloud.h5",
         "restart": "checkpoint.h5",
+        "points": "points.csv",
+        "restart_mixed": "mixed.h5",
     } | {scene: scene.removeprefix("gmsh_") + ".msh" for scene in SCENES if scene.startswith("gmsh_")}

@@ -85,6 +85,12 @@ double largest_force(test::Scene& scene, std::span<const double> u)
 }
 
 bool nowhere(const Vector<2>&) { return false; }
+
+/// An L of particles whose boxes meet on y = 0.5, with its corner at (0.5, 0.5).
+app::SceneOptions with_l(const app::SceneOptions& options, double dx)
+{
+  return test::with_patch(test::with_patch(options, {{0.2, 0.2}, {0.8, 0.5}}, dx), {{0.2, 0.5}, {0.5, 0.8}}, dx);
+}
 } // namespace
 
 TEST(Seams, PartsMoveRigidlyWithoutForce)
@@ -111,6 +117,38 @@ TEST(Seams, PartsMoveRigidlyWithoutForce)
         EXPECT_LT(largest_force(built, blocks(built, part, fields)), 1e-12) << static_cast<int>(scheme) << ' ' << dx;
         EXPECT_GT(largest_force(built, built.blocks(test::affine(0.3, 0.0, 0.0, 0.0))), 1e-2);
       }
+}
+
+TEST(Seams, AlongAnLAndItsBordersPartsMoveRigidlyWithoutForce)
+{
+  // Along a joint of boxes and on along the border; blocks of elements behind a border, and around the corner.
+  const std::vector<PartOf> layouts = {
+      [](const Vector<2>& x) { return x[1] > 0.5 ? 1 : 0; }, [](const Vector<2>& x) { return x[0] > 0.5 ? 1 : 0; },
+      [](const Vector<2>& x) { return (x - Vector<2>(0.65, 0.55)).cwiseAbs().maxCoeff() < 0.05 ? 1 : 0; },
+      [](const Vector<2>& x) { return (x - Vector<2>(0.5, 0.5)).cwiseAbs().maxCoeff() < 0.1 ? 1 : 0; }};
+  const std::vector<test::Field> fields = {test::affine(0.0, -0.5, 0.5, 0.0),
+                                           test::affine(0.0, 0.3, -0.3, 0.0, {0.2, 0.1})};
+  for (std::size_t k = 0; k < layouts.size(); ++k)
+    for (const double dx : {0.1, 0.05}) {
+      Parted scene(10, layouts[k], nowhere);
+      scene.options.conditions[0].box = geom::Box<2>{{-1.0, -1.0}, {2.0, 2.0}};
+      scene.options.time.analysis = app::Analysis::implicit_dynamics; // a block needs no supports then
+      test::Scene built(with_l(scene.options, dx), true);
+      EXPECT_LT(largest_force(built, blocks(built, layouts[k], fields)), 1e-12) << k << ' ' << dx;
+    }
+}
+
+TEST(Seams, AlongTheJointOfAnLCutTheBondsThatACrackCuts)
+{
+  Parted seam(
+      10, [](const Vector<2>& x) { return x[1] > 0.5 ? 1 : 0; },
+      [](const Vector<2>& x) { return x[0] < 0.35 || x[0] > 0.65; });
+  Parted whole(
+      10, [](const Vector<2>&) { return 0; }, nowhere);
+  whole.options.cracks.lines = {{{0.3, 0.5}, {0.7, 0.5}}};
+  test::Scene with_seam(with_l(seam.options, 0.05), true), with_crack(with_l(whole.options, 0.05), true);
+  const auto bonds = [](test::Scene& scene) { return scene.sum(static_cast<double>(scene.d().bonds->bonds())); };
+  EXPECT_EQ(bonds(with_seam), bonds(with_crack));
 }
 
 TEST(Seams, CutTheBondsThatACrackCuts)
