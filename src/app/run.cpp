@@ -1,15 +1,15 @@
 #include "pdx/app/run.hpp"
-#include "pdx/app/grid_body.hpp"
+#include "pdx/scene/grid_body.hpp"
 
 #include "pdx/app/run_in_time.hpp"
 #include "pdx/app/run_static.hpp"
-#include "pdx/app/scene_warnings.hpp"
-#include "pdx/app/settle.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/memory.hpp"
 #include "pdx/base/options.hpp"
 #include "pdx/base/petsc_names.hpp"
 #include "pdx/base/stop_signals.hpp"
+#include "pdx/scene/scene_warnings.hpp"
+#include "pdx/scene/settle.hpp"
 
 #include <new>
 
@@ -30,7 +30,7 @@ std::string unused_options()
   return list;
 }
 
-void refuse_reference_options(const SceneOptions& options)
+void refuse_reference_options(const options::SceneOptions& options)
 {
   if (options.post.reference_fe && !options.pd.any())
     throw UserError("-post_reference_fe compares with the same scene without patches, but there are none: drop it");
@@ -39,30 +39,31 @@ void refuse_reference_options(const SceneOptions& options)
 
 void run(MPI_Comm comm, double begin)
 {
-  SceneOptions options = SceneOptions::read();
+  options::SceneOptions options = options::SceneOptions::read();
   refuse_reference_options(options);
   if (!options.time.dynamic()) (void)wants_assembled(options); // refuses before anything is built
-  if (options.pd.cloud.empty() && !options.points.any()) settle(comm, options);
+  if (options.pd.cloud.empty() && !options.points.any()) scene::settle(comm, options);
   if (options.output.dry_run) { // what rests now will move
     options.pd.skip_tolerance = -1.0;
     options.points.skips_rest = false;
   }
-  RunFiles files(comm, options, begin);
-  for (const auto& warnings : {options.warnings, option_warnings(options)})
+  record::RunFiles files(comm, options, begin);
+  for (const auto& warnings : {options.warnings, scene::option_warnings(options)})
     for (const std::string& warning : warnings) files.warn(warning);
   for (const std::string& note : options.notes) files.progress.line(note);
   try {
     if (options.mixed())
-      run_in_time(files, mixed_scene(comm, options));
+      run_in_time(files, scene::mixed_scene(comm, options));
     else if (options.points.any())
-      run_in_time(files, options.points.formulation == Formulation::updated ? grid_scene(comm, options)
-                                                                            : point_scene(comm, options));
+      run_in_time(files, options.points.formulation == options::Formulation::updated
+                             ? scene::grid_scene(comm, options)
+                             : scene::point_scene(comm, options));
     else if (!options.pd.cloud.empty())
-      run_in_time(files, cloud_scene(comm, options));
+      run_in_time(files, scene::cloud_scene(comm, options));
     else if (options.solid)
-      run_in_time(files, solid_scene(comm, options));
+      run_in_time(files, scene::solid_scene(comm, options));
     else if (options.time.dynamic())
-      run_in_time(files, plane_scene(comm, options));
+      run_in_time(files, scene::plane_scene(comm, options));
     else
       run_static(files);
     if (const std::string unused = unused_options(); !unused.empty())

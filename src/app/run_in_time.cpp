@@ -2,13 +2,13 @@
 
 #include "pdx/adapt/energy_trial.hpp"
 #include "pdx/adapt/hand_back.hpp"
-#include "pdx/app/checkpoints.hpp"
-#include "pdx/app/contact_watch.hpp"
-#include "pdx/app/dry_run.hpp"
-#include "pdx/app/load_balance.hpp"
-#include "pdx/app/patch_mover.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/stop_signals.hpp"
+#include "pdx/change/checkpoints.hpp"
+#include "pdx/change/load_balance.hpp"
+#include "pdx/change/patch_mover.hpp"
+#include "pdx/record/contact_watch.hpp"
+#include "pdx/record/dry_run.hpp"
 #include "pdx/solve/explicit_driver.hpp"
 #include "pdx/solve/implicit_driver.hpp"
 #include "pdx/solve/kept_momentum.hpp"
@@ -26,9 +26,9 @@ constexpr int kBorderSteps = 20;   // from one look at the border of patches tha
 /// live for one layout; files, recorders and checkpoints outlive them.
 class TimeRun {
 public:
-  TimeRun(RunFiles& files, const SceneMaker& make)
-      : files_(files), implicit_(files.options.time.analysis == Analysis::implicit_dynamics), make_(make),
-        layout_(Layout::given(files.options)), recorder_(files), look_(files.comm()),
+  TimeRun(record::RunFiles& files, const scene::SceneMaker& make)
+      : files_(files), implicit_(files.options.time.analysis == options::Analysis::implicit_dynamics), make_(make),
+        layout_(scene::Layout::given(files.options)), recorder_(files), look_(files.comm()),
         balance_(files.comm(), files.options.layout.rebalance_threshold), mover_(files.options)
   {
     if (!implicit_) checkpoints_.emplace(files, mover_);
@@ -60,7 +60,7 @@ private:
   {
     const int left = driver_->expected_steps() - driver_->step();
     const double length = driver_->step_length();
-    DryRun dry(files_);
+    record::DryRun dry(files_);
     dry.fields(driver_->time(), driver_->displacement());
     (void)driver_->run([&] { return dry.step() ? Verdict::go_on : Verdict::stop; });
     const double begin = MPI_Wtime();
@@ -83,7 +83,7 @@ private:
 
   void drive()
   {
-    const TimeOptions& time = files_.options.time;
+    const options::TimeOptions& time = files_.options.time;
     limits_ = scene_->limits();
     if (implicit_)
       driver_ = std::make_unique<solve::ImplicitDriver>(scene_->system());
@@ -140,7 +140,7 @@ private:
   /// Is all to be made anew, the mesh to be cut anew for it, or patches to move?
   bool change_due()
   {
-    const LayoutOptions& when = files_.options.layout;
+    const options::LayoutOptions& when = files_.options.layout;
     const int step = driver_->step();
     if (step >= driver_->expected_steps()) return false;
     change_ = {};
@@ -157,7 +157,7 @@ private:
   /// Adds to the change to come what patches hand back.
   void add_what_lies_behind()
   {
-    const Discretisation& d = *files_.scene.d;
+    const scene::Discretisation& d = *files_.scene.d;
     const post::Energies energies = recorder_.energies(*driver_).stored;
     const std::vector<double> density = d.energy_density(driver_->local());
     const adapt::SceneView view = scene_->view();
@@ -171,13 +171,13 @@ private:
   }
 
   /// Adds the rows that the change to come makes, with what the scene says of them now, and returns what goes.
-  adapt::Leaving add_fresh_rows(NamedState& state) const
+  adapt::Leaving add_fresh_rows(scene::NamedState& state) const
   {
     std::vector<double> v;
     driver_->moving().system.halo->fetch(driver_->v(), driver_->moving().system.rows.dim, v);
     const std::span<const double> fields[] = {driver_->local(), v};
-    const std::vector<couple::PatchShape> shapes = patch_shapes(layout_.changed(change_).in(files_.options));
-    add_rows(state, adapt::fill(scene_->view(), change_, shapes, fields));
+    const std::vector<couple::PatchShape> shapes = scene::patch_shapes(layout_.changed(change_).in(files_.options));
+    scene::add_rows(state, adapt::fill(scene_->view(), change_, shapes, fields));
     return adapt::leaving(scene_->view(), change_.uncover, fields);
   }
 
@@ -205,7 +205,7 @@ private:
     const pd::Broken broken = breaker ? breaker->mine() : pd::Broken{};
     const solve::TimeDriver::Clock clock = driver_->clock();
     const std::vector<double> sums = files_.scene.model->rank_sums();
-    NamedState state = capture(files_.scene, *driver_, recorder_.leave_scene(*driver_));
+    scene::NamedState state = scene::capture(files_.scene, *driver_, recorder_.leave_scene(*driver_));
     const bool moves = !change_.empty();
     const std::size_t known = state.rows.size();
     const std::array<double, 3> momentum = moves ? driver_->moving().momentum(driver_->v()) : std::array<double, 3>{};
@@ -219,8 +219,9 @@ private:
     mover_.leave_scene();
     driver_.reset();
     rebuild(moves && !uneven_);
-    add_dormant(files_.comm(), state, dormant_);
-    const StateMove move(state, scene_->standing(), moves ? StateMove::From::changed : StateMove::From::same);
+    scene::add_dormant(files_.comm(), state, dormant_);
+    const scene::StateMove move(state, scene_->standing(),
+                                moves ? scene::StateMove::From::changed : scene::StateMove::From::same);
     move.require_fit();
     move.break_bonds();
     move.hold_grips();
@@ -280,26 +281,26 @@ private:
     files_.stop(checkpoints_->stopped());
   }
 
-  RunFiles& files_;
+  record::RunFiles& files_;
   bool implicit_;
-  const SceneMaker& make_;
-  Layout layout_;
-  TimeRecorder recorder_;
+  const scene::SceneMaker& make_;
+  scene::Layout layout_;
+  record::TimeRecorder recorder_;
   StopLook look_; // of implicit steps
-  LoadBalance balance_;
-  PatchMover mover_;
-  ContactWatch contact_;
-  std::optional<Checkpoints> checkpoints_;
+  change::LoadBalance balance_;
+  change::PatchMover mover_;
+  record::ContactWatch contact_;
+  std::optional<change::Checkpoints> checkpoints_;
   adapt::LayoutChange change_; // to come
-  Dormant dormant_;
+  scene::Dormant dormant_;
   bool begun_ = false;  // a driver was there
   bool uneven_ = false; // the change to come is for the balance
   std::optional<mesh::MeasuredCosts> costs_;
-  std::unique_ptr<Scene> scene_;
-  StepLimits limits_;
+  std::unique_ptr<scene::Scene> scene_;
+  scene::StepLimits limits_;
   std::unique_ptr<solve::TimeDriver> driver_; // on scene_
 };
 } // namespace
 
-void run_in_time(RunFiles& files, const SceneMaker& make) { TimeRun(files, make).run(); }
+void run_in_time(record::RunFiles& files, const scene::SceneMaker& make) { TimeRun(files, make).run(); }
 } // namespace pdx::app

@@ -1,15 +1,15 @@
 #include "pdx/app/run_static.hpp"
 
 #include "pdx/adapt/hand_back.hpp"
-#include "pdx/app/crack_results.hpp"
-#include "pdx/app/dry_run.hpp"
-#include "pdx/app/patch_mover.hpp"
-#include "pdx/app/recorder.hpp"
-#include "pdx/app/scene.hpp"
-#include "pdx/app/static_checkpoints.hpp"
-#include "pdx/app/support.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/stop_signals.hpp"
+#include "pdx/change/patch_mover.hpp"
+#include "pdx/change/static_checkpoints.hpp"
+#include "pdx/record/crack_results.hpp"
+#include "pdx/record/dry_run.hpp"
+#include "pdx/record/recorder.hpp"
+#include "pdx/scene/scene.hpp"
+#include "pdx/scene/support.hpp"
 #include "pdx/solve/static_driver.hpp"
 
 #include <algorithm>
@@ -18,14 +18,14 @@
 #include <utility>
 
 namespace pdx::app {
-bool wants_assembled(const SceneOptions& options)
+bool wants_assembled(const options::SceneOptions& options)
 {
-  if (!options.pd.any() || options.pd.solver == PdOperator::assembled) return true;
+  if (!options.pd.any() || options.pd.solver == options::PdOperator::assembled) return true;
   char type[64] = "";
   PetscBool given = PETSC_FALSE;
   PDX_CALL(PetscOptionsGetString(nullptr, nullptr, "-pc_type", type, sizeof type, &given));
   if (!given || solve::works_matrix_free(type)) return false;
-  if (options.pd.solver == PdOperator::automatic) return true;
+  if (options.pd.solver == options::PdOperator::automatic) return true;
   throw UserError(
       fmt::format("-pc_type {} needs a matrix, but -pd_operator is matrix_free: use assembled, or one of mg, "
                   "pbjacobi, jacobi, none",
@@ -35,7 +35,7 @@ bool wants_assembled(const SceneOptions& options)
 namespace {
 using solve::Verdict;
 
-solve::StaticOptions steps_of(const SceneOptions& options, const Discretisation& d, bool assembled)
+solve::StaticOptions steps_of(const options::SceneOptions& options, const scene::Discretisation& d, bool assembled)
 {
   solve::StaticOptions steps;
   steps.load_steps = options.load.steps;
@@ -49,20 +49,20 @@ solve::StaticOptions steps_of(const SceneOptions& options, const Discretisation&
   for (const auto& part : d.bonds->parts())
     family = std::max(family, static_cast<Index>(2 * part->stencil().half.size()));
   steps.judge = [&parts = *d.loose_parts, family, &frame = options.frame] {
-    require_support_after_breaking(parts, family, frame);
+    scene::require_support_after_breaking(parts, family, frame);
   };
   return steps;
 }
 
 /// The elements-only solution of the same scene at every local vertex, for Eq. 28.
-std::vector<double> reference_displacement(mesh::Mesh& mesh, const SceneOptions& options)
+std::vector<double> reference_displacement(mesh::Mesh& mesh, const options::SceneOptions& options)
 {
   const PauseCounts pause;
-  SceneOptions unbroken = options;
+  options::SceneOptions unbroken = options;
   unbroken.fracture = {};
-  PatchPlan whole;
+  scene::PatchPlan whole;
   whole.body = options.mesh.box;
-  const auto d = discretise(mesh, unbroken, whole, {}, true);
+  const auto d = scene::discretise(mesh, unbroken, whole, {}, true);
   solve::StaticDriver driver(d->system, steps_of(unbroken, *d, true));
   const VecHandle u = d->system.rows.vector();
   try {
@@ -78,8 +78,8 @@ std::vector<double> reference_displacement(mesh::Mesh& mesh, const SceneOptions&
 /// the path of loads outlive them.
 class StaticRun {
 public:
-  explicit StaticRun(RunFiles& files)
-      : files_(files), assembled_(wants_assembled(files.options)), layout_(Layout::given(files.options)),
+  explicit StaticRun(record::RunFiles& files)
+      : files_(files), assembled_(wants_assembled(files.options)), layout_(scene::Layout::given(files.options)),
         recorder_(files), mover_(files.options), checkpoints_(files, mover_)
   {
     if (!checkpoints_.goes_on()) return;
@@ -93,7 +93,7 @@ public:
     for (const std::string& warning : ground_->warnings()) files_.warn(warning);
     build();
     const std::vector<double> at_rest(2 * static_cast<std::size_t>(d_->system.halo->size()), 0.0);
-    require_contours({ground_->mesh, files_.options, ground_->plan, *d_, at_rest});
+    record::require_contours({ground_->mesh, files_.options, ground_->plan, *d_, at_rest});
     stop_if_told(files_.comm());
     if (mover_.follows()) files_.warn(mover_.begin(d_->view(ground_->mesh), ground_->plan));
     recorder_.built(standing());
@@ -117,7 +117,7 @@ private:
   /// The first load, of which nothing breaks and nothing is kept.
   void try_solve(solve::LoadPath& path)
   {
-    DryRun dry(files_);
+    record::DryRun dry(files_);
     dry.fields(0.0, u_.get());
     const auto breaking = std::exchange(d_->system.after, {});
     const double begin = MPI_Wtime();
@@ -126,15 +126,16 @@ private:
     dry.tell_loads(files_.options.load.steps, driver_->report().linear_iterations);
   }
 
-  Standing standing() { return {&ground_->mesh, &ground_->plan, d_.get()}; }
+  scene::Standing standing() { return {&ground_->mesh, &ground_->plan, d_.get()}; }
 
   /// The ground of the first scene, and what is solved on it before.
   void lay()
   {
-    const SceneOptions& options = files_.options;
-    ground_ = std::make_unique<Ground>(files_.comm(), layout_.in(options));
+    const options::SceneOptions& options = files_.options;
+    ground_ = std::make_unique<scene::Ground>(files_.comm(), layout_.in(options));
     if (options.post.reference_fe) {
-      cover_cells(ground_->mesh, ground_->plan, ground_->mesh_options, options.frame); // refuses wrong patches first
+      scene::cover_cells(ground_->mesh, ground_->plan, ground_->mesh_options,
+                         options.frame); // refuses wrong patches first
       ground_->mesh.uncover();
       const double begin = MPI_Wtime();
       prior_.reference = reference_displacement(ground_->mesh, options);
@@ -144,15 +145,16 @@ private:
     if (!options.post.energy_release) return;
     const PauseCounts pause;
     const double begin = MPI_Wtime();
-    prior_.energy_release = energy_release(ground_->mesh, options, ground_->plan, ground_->particles, assembled_);
+    prior_.energy_release =
+        record::energy_release(ground_->mesh, options, ground_->plan, ground_->particles, assembled_);
     files_.solved_before += MPI_Wtime() - begin;
-    cover_cells(ground_->mesh, ground_->plan, options.mesh);
+    scene::cover_cells(ground_->mesh, ground_->plan, options.mesh);
   }
 
   /// From a checkpoint: the scene stands as it was laid there.
   void resume(solve::LoadPath& path)
   {
-    StaticCheckpoints::Start start = checkpoints_.start(standing(), path);
+    change::StaticCheckpoints::Start start = checkpoints_.start(standing(), path);
     load_ = start.load;
     field::set_owned_values(u_.get(), start.u);
     const std::vector<double> force = internal_force(start.u);
@@ -179,14 +181,14 @@ private:
     return true;
   }
 
-  void write_checkpoint(const solve::LoadPath& path)
+  void record::write_checkpoint(const solve::LoadPath& path)
   {
     checkpoints_.write({standing(), layout_, dormant_, path, driver_->report(), recorder_, u_.get(), load_});
   }
 
   void build()
   {
-    d_ = discretise(ground_->mesh, ground_->options, ground_->plan, std::move(ground_->particles), assembled_);
+    d_ = scene::discretise(ground_->mesh, ground_->options, ground_->plan, std::move(ground_->particles), assembled_);
     u_ = d_->system.rows.vector();
   }
 
@@ -213,7 +215,7 @@ private:
             load_ = step.load;
             if (mover_.watches())
               files_.warn(mover_.border(d_->view(ground_->mesh), ground_->plan, d_->fracture->broken()));
-            if (checkpoints_.due(step.number, path.done())) write_checkpoint(path);
+            if (checkpoints_.due(step.number, path.done())) record::write_checkpoint(path);
             return change_due(step.number, path) ? Verdict::relayout : Verdict::go_on;
           },
           &open_);
@@ -221,7 +223,7 @@ private:
       recorder_.count(driver_->report());
       files_.after_failure([&] {
         recorder_.stopped_at(u_.get());
-        if (checkpoints_.asked() && driver_->report().steps > 0) write_checkpoint(path);
+        if (checkpoints_.asked() && driver_->report().steps > 0) record::write_checkpoint(path);
       });
       throw;
     } catch (const UserError& loose) { // the steps that were accepted stay
@@ -236,7 +238,7 @@ private:
       std::string words = fmt::format("{} after {} load step{}: results are those of the last of them", stop.what(),
                                       steps, steps == 1 ? "" : "s");
       if (steps > 0) {
-        write_checkpoint(path);
+        record::write_checkpoint(path);
         words +=
             fmt::format("; checkpoint written to {}; go on with -restart {}", checkpoints_.file(), checkpoints_.file());
       }
@@ -246,25 +248,25 @@ private:
 
   /// A state of the scene, and of the rows to come.
   struct Moment {
-    NamedState state;
+    scene::NamedState state;
     pd::Broken broken;
     std::size_t known = 0; // rows that were there before
     adapt::Leaving left;
   };
   Moment moment(std::span<const double> u)
   {
-    Moment now{capture(standing()), d_->fracture ? d_->fracture->all() : pd::Broken{}, 0, {}};
+    Moment now{scene::capture(standing()), d_->fracture ? d_->fracture->all() : pd::Broken{}, 0, {}};
     now.known = now.state.rows.size();
     now.state.moving.u.assign(u.begin(), u.end());
     if (!change_.empty()) {
       std::vector<double> local;
       d_->system.halo->fetch(u, now.state.dim, local);
       const std::span<const double> fields[] = {local};
-      add_rows(now.state, adapt::fill(d_->view(ground_->mesh), change_,
-                                      patch_shapes(layout_.changed(change_).in(files_.options)), fields));
+      scene::add_rows(now.state, adapt::fill(d_->view(ground_->mesh), change_,
+                                             scene::patch_shapes(layout_.changed(change_).in(files_.options)), fields));
       now.left = adapt::leaving(d_->view(ground_->mesh), change_.uncover, fields);
     }
-    add_dormant(files_.comm(), now.state, dormant_); // to the rows that are new, too
+    scene::add_dormant(files_.comm(), now.state, dormant_); // to the rows that are new, too
     return now;
   }
 
@@ -287,7 +289,7 @@ private:
   }
 
   /// Takes over what is broken, and returns the displacement.
-  std::vector<double> take(const StateMove& move, const Moment& moment)
+  std::vector<double> take(const scene::StateMove& move, const Moment& moment)
   {
     move.require_fit();
     move.break_bonds();
@@ -318,14 +320,15 @@ private:
     driver_.reset();
     d_.reset();
     rebuild();
-    const StateMove::From before = change_.empty() ? StateMove::From::same : StateMove::From::changed;
+    const scene::StateMove::From before =
+        change_.empty() ? scene::StateMove::From::same : scene::StateMove::From::changed;
     std::vector<double> start, force; // of the load accepted last
     if (open_) {
-      start = open_->start = take(StateMove(accepted->state, standing(), before), *accepted);
+      start = open_->start = take(scene::StateMove(accepted->state, standing(), before), *accepted);
       for (const auto& after : d_->system.after) after->save();
       force = internal_force(start);
     }
-    const StateMove move(now.state, standing(), before);
+    const scene::StateMove move(now.state, standing(), before);
     const std::vector<double> u = take(move, now);
     if (!open_) {
       start = u;
@@ -343,7 +346,7 @@ private:
   void rebuild()
   {
     if (change_.empty()) {
-      ground_ = std::make_unique<Ground>(files_.comm(), layout_.in(files_.options));
+      ground_ = std::make_unique<scene::Ground>(files_.comm(), layout_.in(files_.options));
       ground_->lay_particles();
     } else {
       layout_ = layout_.changed(change_);
@@ -353,23 +356,23 @@ private:
     build();
   }
 
-  RunFiles& files_;
+  record::RunFiles& files_;
   bool assembled_;
-  Layout layout_;
-  Recorder recorder_;
-  Prior prior_;
-  PatchMover mover_;
-  StaticCheckpoints checkpoints_;
+  scene::Layout layout_;
+  record::Recorder recorder_;
+  record::Prior prior_;
+  change::PatchMover mover_;
+  change::StaticCheckpoints checkpoints_;
   adapt::LayoutChange change_; // to come
-  Dormant dormant_;
+  scene::Dormant dormant_;
   std::optional<solve::OpenStep> open_; // a load that it comes within
-  std::unique_ptr<Ground> ground_;
-  std::unique_ptr<Discretisation> d_;           // on ground_
+  std::unique_ptr<scene::Ground> ground_;
+  std::unique_ptr<scene::Discretisation> d_;    // on ground_
   std::unique_ptr<solve::StaticDriver> driver_; // on d_
   VecHandle u_;
   double load_ = 0.0; // accepted last
 };
 } // namespace
 
-void run_static(RunFiles& files) { StaticRun(files).run(); }
+void run_static(record::RunFiles& files) { StaticRun(files).run(); }
 } // namespace pdx::app

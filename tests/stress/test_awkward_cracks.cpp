@@ -17,16 +17,16 @@ struct Line {
   crack::Polyline points() const { return {point - 3.0 * along, point + 3.0 * along}; }
 };
 
-app::SceneOptions plate(const Line& line)
+options::SceneOptions plate(const Line& line)
 {
-  app::SceneOptions options = held_plate({10, 10});
+  options::SceneOptions options = held_plate({10, 10});
   options.cracks.lines = {line.points()};
   return options;
 }
 
-app::SceneOptions plate_with_patch(const Line& line, couple::Scheme scheme, double dx)
+options::SceneOptions plate_with_patch(const Line& line, couple::Scheme scheme, double dx)
 {
-  app::SceneOptions options = plate(line);
+  options::SceneOptions options = plate(line);
   options.scheme = scheme;
   return with_patch(options, {{0.3, 0.3}, {0.7, 0.7}}, dx);
 }

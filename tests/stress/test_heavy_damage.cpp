@@ -8,9 +8,9 @@ namespace {
 constexpr double kLimit = 0.02; // critical stretch [-]
 
 /// A patch of 40 x 40 particles in a held plate.
-app::SceneOptions breakable_plate(couple::Scheme scheme)
+options::SceneOptions breakable_plate(couple::Scheme scheme)
 {
-  app::SceneOptions options = with_patch(held_plate({10, 10}), {{0.3, 0.3}, {0.7, 0.7}}, 0.01);
+  options::SceneOptions options = with_patch(held_plate({10, 10}), {{0.3, 0.3}, {0.7, 0.7}}, 0.01);
   options.scheme = scheme;
   options.fracture.critical_stretch = kLimit;
   return options;

@@ -3,9 +3,9 @@
 
 namespace pdx::test {
 /// A dead load on a side [Pa].
-inline app::BoundaryCondition pull(const char* side, const Vector<2>& traction)
+inline options::BoundaryCondition pull(const char* side, const Vector<2>& traction)
 {
-  app::BoundaryCondition c;
+  options::BoundaryCondition c;
   c.name = "pull";
   c.on = side;
   c.traction = Vector<3>(traction[0], traction[1], 0.0);
@@ -13,9 +13,9 @@ inline app::BoundaryCondition pull(const char* side, const Vector<2>& traction)
 }
 
 /// A unit square of particles held on the left, and pulled and sheared on the right.
-inline app::SceneOptions pulled_particles(Index per_side, const Vector<2>& traction)
+inline options::SceneOptions pulled_particles(Index per_side, const Vector<2>& traction)
 {
-  app::SceneOptions options = held_particles(per_side);
+  options::SceneOptions options = held_particles(per_side);
   options.conditions.resize(1); // left
   options.conditions.push_back(pull("right", traction));
   return options;

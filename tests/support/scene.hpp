@@ -1,8 +1,8 @@
 #pragma once
-#include "pdx/app/discretisation.hpp"
-#include "pdx/app/mixed_points.hpp"
 #include "pdx/fem/loads.hpp"
 #include "pdx/post/error_norm.hpp"
+#include "pdx/scene/discretisation.hpp"
+#include "pdx/scene/mixed_points.hpp"
 #include "pdx/solve/static_driver.hpp"
 
 #include <cmath>
@@ -55,14 +55,14 @@ private:
 inline law::Elastic plane_stress() { return {3.0, 1.0 / 3.0, law::Plane::stress, 0.5}; }
 
 /// The unit square (or another box) with all four sides held at 0; `Scene::prescribe` moves them.
-inline app::SceneOptions held_plate(std::array<Index, 2> cells, const geom::Box<2>& box = {{0.0, 0.0}, {1.0, 1.0}})
+inline options::SceneOptions held_plate(std::array<Index, 2> cells, const geom::Box<2>& box = {{0.0, 0.0}, {1.0, 1.0}})
 {
-  app::SceneOptions options;
+  options::SceneOptions options;
   options.mesh.box = box;
   options.mesh.cells = cells;
   options.elastic = plane_stress();
   for (const char* side : {"left", "right", "bottom", "top"}) {
-    app::BoundaryCondition c;
+    options::BoundaryCondition c;
     c.name = c.on = side;
     c.displacement = {0.0, 0.0};
     options.conditions.push_back(c);
@@ -70,7 +70,7 @@ inline app::SceneOptions held_plate(std::array<Index, 2> cells, const geom::Box<
   return options;
 }
 
-inline app::SceneOptions with_patch(app::SceneOptions options, const geom::Box<2>& patch, double dx)
+inline options::SceneOptions with_patch(options::SceneOptions options, const geom::Box<2>& patch, double dx)
 {
   options.pd.patches.push_back(patch);
   options.pd.spacing.push_back(dx);
@@ -78,38 +78,38 @@ inline app::SceneOptions with_patch(app::SceneOptions options, const geom::Box<2
 }
 
 /// The unit square as particles only, held in layers of one horizon all around it.
-inline app::SceneOptions held_particles(Index per_side)
+inline options::SceneOptions held_particles(Index per_side)
 {
-  app::SceneOptions options = held_plate({0, 0});
+  options::SceneOptions options = held_plate({0, 0});
   options.pd.everywhere = true;
   options.pd.spacing = {1.0 / per_side};
-  for (app::BoundaryCondition& c : options.conditions) c.layer = true;
+  for (options::BoundaryCondition& c : options.conditions) c.layer = true;
   return options;
 }
 
 /// A scene as the program builds it, from options in C++. All methods are collective on `comm`.
 class Scene {
 public:
-  explicit Scene(app::SceneOptions options, bool assembled = false, MPI_Comm comm = PETSC_COMM_WORLD)
-      : options_(std::move(options)), points_(options_.mixed() ? app::settle_mixed(comm, options_) : nullptr),
-        mesh_options_(options_.mesh), plan_(app::plan_patches(options_, mesh_options_)),
-        mesh_(mesh::build(comm, mesh_options_, app::cell_cost(plan_))), assembled_(assembled)
+  explicit Scene(options::SceneOptions options, bool assembled = false, MPI_Comm comm = PETSC_COMM_WORLD)
+      : options_(std::move(options)), points_(options_.mixed() ? scene::settle_mixed(comm, options_) : nullptr),
+        mesh_options_(options_.mesh), plan_(scene::plan_patches(options_, mesh_options_)),
+        mesh_(mesh::build(comm, mesh_options_, scene::cell_cost(plan_))), assembled_(assembled)
   {
-    if (points_) app::deal_cells(*points_, mesh_);
+    if (points_) scene::deal_cells(*points_, mesh_);
     std::vector<pd::Particle> particles;
     if (options_.pd.any()) {
-      app::cover_cells(mesh_, plan_, mesh_options_);
-      particles = app::make_particles(mesh_, plan_);
+      scene::cover_cells(mesh_, plan_, mesh_options_);
+      particles = scene::make_particles(mesh_, plan_);
     }
-    d_ = app::discretise(mesh_, options_, plan_, std::move(particles), assembled, points_.get());
+    d_ = scene::discretise(mesh_, options_, plan_, std::move(particles), assembled, points_.get());
   }
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
-  const app::SceneOptions& options() const { return options_; }
+  const options::SceneOptions& options() const { return options_; }
   const mesh::Mesh& mesh() const { return mesh_; }
-  const app::PatchPlan& plan() const { return plan_; }
-  app::Discretisation& d() { return *d_; }
+  const scene::PatchPlan& plan() const { return plan_; }
+  scene::Discretisation& d() { return *d_; }
   field::System& system() { return d_->system; }
   const field::Rows& rows() const { return d_->system.rows; }
 
@@ -238,13 +238,13 @@ public:
   }
 
 private:
-  app::SceneOptions options_;
-  std::shared_ptr<const app::PointPlan<2>> points_;
+  options::SceneOptions options_;
+  std::shared_ptr<const scene::PointPlan<2>> points_;
   mesh::MeshOptions mesh_options_;
-  app::PatchPlan plan_;
+  scene::PatchPlan plan_;
   mesh::Mesh mesh_;
   bool assembled_;
-  std::unique_ptr<app::Discretisation> d_;
+  std::unique_ptr<scene::Discretisation> d_;
   solve::StaticReport report_;
 };
 

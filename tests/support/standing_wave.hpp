@@ -43,7 +43,8 @@ struct StandingWave {
 };
 
 /// For runs in time.
-inline app::SceneOptions moving(app::SceneOptions options, app::Analysis analysis = app::Analysis::explicit_dynamics)
+inline options::SceneOptions moving(options::SceneOptions options,
+                                    options::Analysis analysis = options::Analysis::explicit_dynamics)
 {
   options.elastic.density = 1.0;
   options.time.analysis = analysis;

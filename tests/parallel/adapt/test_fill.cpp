@@ -2,8 +2,8 @@
 
 #include "support/scene.hpp"
 
-#include "pdx/app/scene_names.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/scene/scene_names.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -21,9 +21,9 @@ geom::Box<2> box(Index x0, Index y0, Index x1, Index y1) ///< in elements
   return {kElement * Vector<2>(x0, y0), kElement * Vector<2>(x1, y1)};
 }
 
-app::SceneOptions plate(const std::vector<geom::Box<2>>& patches, double ratio = 4.0)
+options::SceneOptions plate(const std::vector<geom::Box<2>>& patches, double ratio = 4.0)
 {
-  app::SceneOptions options = test::held_plate({kCells, kCells});
+  options::SceneOptions options = test::held_plate({kCells, kCells});
   for (const geom::Box<2>& patch : patches) options = test::with_patch(std::move(options), patch, kElement / ratio);
   return options;
 }
@@ -36,10 +36,10 @@ Field quadratic()
 }
 
 /// Names of all particles, of all ranks.
-std::set<std::uint64_t> names_of(const test::Scene& scene, app::Discretisation& d)
+std::set<std::uint64_t> names_of(const test::Scene& scene, scene::Discretisation& d)
 {
-  const app::Standing standing(const_cast<mesh::Mesh*>(&scene.mesh()), &scene.plan(), &d);
-  const app::SceneNames names(standing);
+  const scene::Standing standing(const_cast<mesh::Mesh*>(&scene.mesh()), &scene.plan(), &d);
+  const scene::SceneNames names(standing);
   std::vector<std::uint64_t> mine;
   for (const field::RowName name : names.particles()) mine.push_back(name.value());
   const std::vector<std::uint64_t> all = gather_all(scene.mesh().comm(), mine);
@@ -66,7 +66,7 @@ double fill_error(test::Scene& scene, const std::vector<geom::Box<2>>& boxes, co
 
   std::vector<geom::Box<2>> all = scene.options().pd.patches;
   all.insert(all.end(), boxes.begin(), boxes.end());
-  app::SceneOptions options = plate(all, kElement / scene.plan().shapes[0].lattice.dx);
+  options::SceneOptions options = plate(all, kElement / scene.plan().shapes[0].lattice.dx);
   options.cracks = scene.options().cracks;
   test::Scene later(options);
   const std::set<std::uint64_t> known = names_of(later, later.d());
@@ -108,7 +108,7 @@ TEST(Fill, ErrorsFallWithTheCubeOfElements)
     return {std::sin(2.0 * x[0] + x[1]), std::cos(x[0] - 3.0 * x[1])};
   };
   const auto error = [&wave](Index finer) {
-    app::SceneOptions options = test::held_plate({finer * kCells, finer * kCells});
+    options::SceneOptions options = test::held_plate({finer * kCells, finer * kCells});
     options = test::with_patch(std::move(options), box(4, 4, 8, 8), kElement / (4.0 * finer));
     test::Scene scene(options);
     const std::vector<double> u = scene.blocks(wave);
@@ -130,7 +130,7 @@ TEST(Fill, ErrorsFallWithTheCubeOfElements)
 
 TEST(Fill, SidesOfACrackMoveApart)
 {
-  app::SceneOptions options = plate({box(4, 4, 8, 8)});
+  options::SceneOptions options = plate({box(4, 4, 8, 8)});
   options.cracks.lines = {{{0.0, 6.5 * kElement}, {6.0 * kElement, 6.5 * kElement}}};
   test::Scene scene(options);
   const double line = 6.5 * kElement;
@@ -139,7 +139,7 @@ TEST(Fill, SidesOfACrackMoveApart)
   };
   std::vector<double> u = scene.blocks(parted);
   // An enriched set holds half the opening there.
-  const app::Discretisation& d = scene.d();
+  const scene::Discretisation& d = scene.d();
   std::vector<double> owned(u.begin(), u.begin() + 2 * scene.rows().owned());
   std::size_t row = static_cast<std::size_t>(scene.rows().nodes);
   for (const Index v : d.sets->vertices()) {

@@ -27,9 +27,9 @@ Vector<2> moved(const Vector<2>& x, xfem::Side side)
                                   : Vector<2>(-0.1 * x[1], 0.3 * x[0] + 0.5);
 }
 
-app::SceneOptions cracked_plate(const geom::Box<2>& patch, double height)
+options::SceneOptions cracked_plate(const geom::Box<2>& patch, double height)
 {
-  app::SceneOptions options = test::with_patch(test::held_plate({kAcross, kAcross}), patch, kSide / 4.0);
+  options::SceneOptions options = test::with_patch(test::held_plate({kAcross, kAcross}), patch, kSide / 4.0);
   options.cracks.lines = {{{0.0, height}, {8.0 * kSide, height}}};
   return options;
 }
@@ -40,7 +40,7 @@ struct Rows {
 };
 Rows rows_of(test::Scene& scene, double height, double from)
 {
-  const app::Discretisation& d = scene.d();
+  const scene::Discretisation& d = scene.d();
   const xfem::EnrichedSets& sets = *d.sets;
   Rows rows{std::vector<double>(2 * static_cast<std::size_t>(scene.rows().owned()), 0.0),
             std::vector<double>(static_cast<std::size_t>(scene.rows().owned()), 0.0)};

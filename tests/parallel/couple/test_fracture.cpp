@@ -12,7 +12,7 @@ using couple::Release;
 using couple::Scheme;
 
 namespace {
-app::SceneOptions plate(Scheme scheme = Scheme::energy, app::Kinematics kinematics = app::Kinematics::small)
+options::SceneOptions plate(Scheme scheme = Scheme::energy, options::Kinematics kinematics = options::Kinematics::small)
 {
   auto options = test::with_patch(test::held_plate({10, 10}), {{0.2, 0.2}, {0.8, 0.8}}, 0.05);
   options.scheme = scheme;
@@ -61,9 +61,9 @@ std::map<std::pair<long, long>, double> damage_map(test::Scene& scene, double dx
 TEST(Fracture, DissipatedIsTheEnergyThatIsGone)
 {
   for (const Scheme scheme : {Scheme::energy, Scheme::ghost})
-    for (const auto kinematics : {app::Kinematics::small, app::Kinematics::mixed}) {
+    for (const auto kinematics : {options::Kinematics::small, options::Kinematics::mixed}) {
       test::Scene scene(plate(scheme, kinematics));
-      const auto linear = kinematics == app::Kinematics::small;
+      const auto linear = kinematics == options::Kinematics::small;
       Fracture fracture(*scene.d().bonds, scene.d().carried,
                         all_above(0.06, linear ? pd::Kinematics::linear : pd::Kinematics::finite));
       const auto u = scene.blocks(wild);
@@ -191,7 +191,7 @@ TEST(Fracture, WorstBreaksItsShare)
 
 TEST(Fracture, RestoreGoesBackAsOftenAsAsked)
 {
-  test::Scene scene(plate(Scheme::energy, app::Kinematics::mixed));
+  test::Scene scene(plate(Scheme::energy, options::Kinematics::mixed));
   Fracture fracture(*scene.d().bonds, scene.d().carried, all_above(0.08, pd::Kinematics::finite));
   const auto u = scene.blocks(wild), v = scene.blocks([](const Vector<2>&x) -> Vector<2> { return 1.3 * wild(x); });
   const auto start = scene.internal_force(u);

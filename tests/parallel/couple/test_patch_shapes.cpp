@@ -31,7 +31,7 @@ const Shape kShapes[] = {
     {"two that share part of an edge", {box(4, 4, 8, 10), box(8, 6, 12, 12)}},
 };
 
-app::SceneOptions with_boxes(app::SceneOptions options, const std::vector<geom::Box<2>>& boxes, double dx)
+options::SceneOptions with_boxes(options::SceneOptions options, const std::vector<geom::Box<2>>& boxes, double dx)
 {
   options.pd.patches = boxes;
   options.pd.spacing = {dx};
@@ -39,12 +39,12 @@ app::SceneOptions with_boxes(app::SceneOptions options, const std::vector<geom::
 }
 
 /// Of all strains at once.
-double error_of(const app::SceneOptions& options)
+double error_of(const options::SceneOptions& options)
 {
   return test::worst_error(options, std::span(test::kStrains).last(1));
 }
 
-app::SceneOptions plate() { return test::held_plate({kCells, kCells}); }
+options::SceneOptions plate() { return test::held_plate({kCells, kCells}); }
 } // namespace
 
 // Lattice cells that straddle two elements: elements of 2.5 spacings.

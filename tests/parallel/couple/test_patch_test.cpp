@@ -9,7 +9,7 @@ namespace {
 const geom::Box<2> kMiddle{{0.25, 0.25}, {0.75, 0.75}};
 constexpr double kExact = 1e-10; // relative, all rows
 
-app::SceneOptions plate(Index cells = 16) { return test::held_plate({cells, cells}); }
+options::SceneOptions plate(Index cells = 16) { return test::held_plate({cells, cells}); }
 } // namespace
 
 TEST(PatchTest, EnergySchemeWithAnAlignedPatchInTheMiddle)
@@ -117,7 +117,7 @@ TEST(PatchTest, AFreeSideIsExactWithOtherBonds)
 TEST(PatchTest, TheVolumeMethodFailsAtAFreeSide)
 {
   auto options = test::with_patch(bar(false), kAtTheBottom, 1.0 / 48);
-  options.pd.surface_correction = app::SurfaceCorrection::volume;
+  options.pd.surface_correction = options::SurfaceCorrection::volume;
   EXPECT_GT(tension_error(options), 1e-3);
 }
 

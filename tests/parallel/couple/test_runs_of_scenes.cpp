@@ -6,7 +6,8 @@ namespace pdx::test::runs_of_scenes {
 namespace {
 constexpr double kEqual = 1e-13; // of the largest force
 
-app::SceneOptions plate(const geom::Box<2>& patch, double dx, app::Kinematics kinematics = app::Kinematics::finite)
+options::SceneOptions plate(const geom::Box<2>& patch, double dx,
+                            options::Kinematics kinematics = options::Kinematics::finite)
 {
   auto options = test::with_patch(test::held_plate({16, 16}), patch, dx);
   options.kinematics = kinematics;
@@ -33,7 +34,7 @@ std::vector<double> shaken(const Scene& scene, double amplitude)
 
 /// Between the forces by index, one bond for itself, and those of explicit steps, at small stretches, at large ones,
 /// and after bonds broke.
-double difference(const app::SceneOptions& options)
+double difference(const options::SceneOptions& options)
 {
   Scene scene(options);
   couple::CarriedBonds<2>& bonds = *scene.d().carried;
@@ -77,7 +78,7 @@ double difference(const app::SceneOptions& options)
 TEST(RunsOfScenes, HaveTheForcesOfBondsByIndex)
 {
   for (const double spacings : {1.0, 2.0, 2.5, 4.0})
-    for (const auto kinematics : {app::Kinematics::small, app::Kinematics::finite})
+    for (const auto kinematics : {options::Kinematics::small, options::Kinematics::finite})
       EXPECT_LE(difference(plate(kMiddle, 0.0625 / spacings, kinematics)), kEqual) << spacings;
 }
 

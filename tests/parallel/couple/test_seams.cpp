@@ -47,13 +47,13 @@ public:
     if (rank == 0) write_parts(options.mesh.file, n, part, glued);
     MPI_Barrier(PETSC_COMM_WORLD);
     options.elastic = test::plane_stress();
-    app::BoundaryCondition held;
+    options::BoundaryCondition held;
     held.name = "held";
     held.on = "unnamed";
     held.displacement = {0.0, 0.0};
     options.conditions.push_back(held);
   }
-  app::SceneOptions options;
+  options::SceneOptions options;
 
 private:
   test::ScratchDirectory scratch_;
@@ -87,7 +87,7 @@ double largest_force(test::Scene& scene, std::span<const double> u)
 bool nowhere(const Vector<2>&) { return false; }
 
 /// An L of particles whose boxes meet on y = 0.5, with its corner at (0.5, 0.5).
-app::SceneOptions with_l(const app::SceneOptions& options, double dx)
+options::SceneOptions with_l(const options::SceneOptions& options, double dx)
 {
   return test::with_patch(test::with_patch(options, {{0.2, 0.2}, {0.8, 0.5}}, dx), {{0.2, 0.5}, {0.5, 0.8}}, dx);
 }
@@ -112,7 +112,7 @@ TEST(Seams, PartsMoveRigidlyWithoutForce)
         Parted scene(10, part, nowhere);
         scene.options.scheme = scheme;
         scene.options.conditions[0].box = geom::Box<2>{{-1.0, -1.0}, {2.0, 2.0}};
-        scene.options.time.analysis = app::Analysis::implicit_dynamics; // an island needs no supports then
+        scene.options.time.analysis = options::Analysis::implicit_dynamics; // an island needs no supports then
         test::Scene built(test::with_patch(scene.options, {{0.2, 0.2}, {0.8, 0.8}}, dx), true);
         EXPECT_LT(largest_force(built, blocks(built, part, fields)), 1e-12) << static_cast<int>(scheme) << ' ' << dx;
         EXPECT_GT(largest_force(built, built.blocks(test::affine(0.3, 0.0, 0.0, 0.0))), 1e-2);
@@ -132,7 +132,7 @@ TEST(Seams, AlongAnLAndItsBordersPartsMoveRigidlyWithoutForce)
     for (const double dx : {0.1, 0.05}) {
       Parted scene(10, layouts[k], nowhere);
       scene.options.conditions[0].box = geom::Box<2>{{-1.0, -1.0}, {2.0, 2.0}};
-      scene.options.time.analysis = app::Analysis::implicit_dynamics; // a block needs no supports then
+      scene.options.time.analysis = options::Analysis::implicit_dynamics; // a block needs no supports then
       test::Scene built(with_l(scene.options, dx), true);
       EXPECT_LT(largest_force(built, blocks(built, layouts[k], fields)), 1e-12) << k << ' ' << dx;
     }

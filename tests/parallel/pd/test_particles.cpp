@@ -10,7 +10,7 @@ using namespace pdx;
 namespace {
 constexpr auto kNumber = [](const pd::Particle& p) { return std::tuple(p.patch, p.site); };
 
-app::SceneOptions two_patches()
+options::SceneOptions two_patches()
 {
   const auto one =
       test::with_patch(test::held_plate({10, 8}, {{0.0, 0.0}, {1.0, 0.8}}), {{0.2, 0.2}, {0.4, 0.6}}, 0.05);

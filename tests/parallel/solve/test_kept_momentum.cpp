@@ -10,9 +10,9 @@ using namespace pdx;
 
 namespace {
 /// A plate of 12 x 12 elements, free in space, with a patch and perhaps a crack.
-app::SceneOptions flying_plate(bool cracked)
+options::SceneOptions flying_plate(bool cracked)
 {
-  app::SceneOptions options = test::held_plate({12, 12});
+  options::SceneOptions options = test::held_plate({12, 12});
   options.conditions.clear();
   options = test::moving(test::with_patch(std::move(options), {{0.25, 0.25}, {0.75, 0.75}}, 1.0 / 48.0));
   if (cracked) options.cracks.lines = {{{0.0, 0.46}, {0.5, 0.52}}};

@@ -6,14 +6,14 @@ using namespace pdx;
 
 namespace {
 /// Bent and stretched by a tenth of its length, in finite strain.
-app::SceneOptions stretched_plate(couple::Scheme scheme)
+options::SceneOptions stretched_plate(couple::Scheme scheme)
 {
   auto options = test::held_plate({12, 12});
   options.conditions.resize(2); // left and right
   options.conditions[1].displacement = {0.1, 0.05};
   options = test::with_patch(options, {{0.25, 0.25}, {0.75, 0.75}}, 1.0 / 24);
   options.scheme = scheme;
-  options.kinematics = app::Kinematics::finite;
+  options.kinematics = options::Kinematics::finite;
   return options;
 }
 } // namespace
@@ -55,7 +55,7 @@ TEST(Newton, LoadStepsReachTheSameState)
 TEST(Newton, LinearScenesNeedOneIterationAndOneTangentForAllSteps)
 {
   auto options = stretched_plate(couple::Scheme::energy);
-  options.kinematics = app::Kinematics::small;
+  options.kinematics = options::Kinematics::small;
   test::Scene scene(options);
   scene.solve(3);
   EXPECT_EQ(scene.report().newton_iterations, 3);

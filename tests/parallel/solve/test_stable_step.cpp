@@ -10,9 +10,9 @@ namespace {
 constexpr double kDensity = 7.0; // [kg/m^3]
 
 /// A plate that a slanted crack cuts through, with a patch around its middle.
-app::SceneOptions cut_plate_with_patch(couple::Scheme scheme)
+options::SceneOptions cut_plate_with_patch(couple::Scheme scheme)
 {
-  app::SceneOptions options = with_patch(held_plate({10, 10}), {{0.3, 0.3}, {0.7, 0.7}}, 0.025);
+  options::SceneOptions options = with_patch(held_plate({10, 10}), {{0.3, 0.3}, {0.7, 0.7}}, 0.025);
   options.conditions.resize(1);
   options.elastic.density = kDensity;
   options.scheme = scheme;
@@ -29,12 +29,12 @@ double total_mass(Scene& scene)
 
 TEST(StableStep, IsTheSameOnAnyNumberOfRanks)
 {
-  std::vector<app::SceneOptions> all{cut_plate_with_patch(couple::Scheme::energy),
-                                     cut_plate_with_patch(couple::Scheme::ghost), held_particles(20)};
+  std::vector<options::SceneOptions> all{cut_plate_with_patch(couple::Scheme::energy),
+                                         cut_plate_with_patch(couple::Scheme::ghost), held_particles(20)};
   all.push_back(all.front());
   all.back().pd.patches.clear(); // cut elements decide
   all.back().pd.spacing.clear();
-  for (app::SceneOptions& options : all) {
+  for (options::SceneOptions& options : all) {
     options.elastic.density = kDensity;
     Scene scene(options);
     const solve::StableStep found = solve::stable_step(scene.system());
@@ -61,7 +61,7 @@ TEST(StableStep, RowsHoldTheWholeMass)
 
 TEST(StableStep, RefusesStiffnessWithoutMass)
 {
-  app::SceneOptions options = cut_plate_with_patch(couple::Scheme::energy);
+  options::SceneOptions options = cut_plate_with_patch(couple::Scheme::energy);
   options.elastic.density = 0.0;
   Scene scene(options);
   try {

@@ -8,14 +8,14 @@ using couple::Scheme;
 namespace {
 struct Case {
   Scheme scheme;
-  app::Kinematics kinematics;
+  options::Kinematics kinematics;
   bool surface = false; ///< volume method everywhere, the papers' constants
   bool cracked = false; ///< by a crack through elements into a patch, and by bonds that broke
 };
 
 const std::vector<Case>& cases()
 {
-  using app::Kinematics;
+  using options::Kinematics;
   static const std::vector<Case> all = [] {
     std::vector<Case> list;
     for (const Scheme scheme : {Scheme::energy, Scheme::ghost, Scheme::interface})
@@ -36,7 +36,7 @@ std::string name(const Case& c)
 }
 
 /// One patch inside, one that reaches the free right side of the plate, which is held on the left.
-app::SceneOptions plate(const Case& c)
+options::SceneOptions plate(const Case& c)
 {
   auto options = test::held_plate({10, 8}, {{0.0, 0.0}, {1.0, 0.8}});
   options.conditions.resize(1); // left
@@ -46,7 +46,7 @@ app::SceneOptions plate(const Case& c)
   options.kinematics = c.kinematics;
   if (c.surface) {
     options.pd.calibration = pd::Calibration::continuum;
-    options.pd.surface_correction = app::SurfaceCorrection::volume;
+    options.pd.surface_correction = options::SurfaceCorrection::volume;
   }
   if (c.cracked) {
     options.cracks.lines = {{{0.0, 0.45}, {0.37, 0.41}}};
@@ -65,7 +65,7 @@ test::Field wild(std::uint64_t seed, double size = 5e-3)
 std::unique_ptr<test::Scene> make(const Case& c, bool assembled = false, MPI_Comm comm = PETSC_COMM_WORLD)
 {
   auto scene = std::make_unique<test::Scene>(plate(c), assembled, comm);
-  app::Discretisation& d = scene->d();
+  scene::Discretisation& d = scene->d();
   EXPECT_EQ(d.cut_elements != nullptr, c.cracked);
   if (!c.cracked) return scene;
   const auto u = scene->blocks(wild(4));

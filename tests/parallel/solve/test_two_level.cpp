@@ -9,7 +9,7 @@ constexpr int kMostIterations = 16; // of CG, to 1e-10 of the residual
 
 /// Clamped on the left, pulled and sheared on the right; the middle quarter is a patch of n x n particles, 4 x 4 in the
 /// place of an element.
-app::SceneOptions clamped_plate(Index n)
+options::SceneOptions clamped_plate(Index n)
 {
   auto options = test::held_plate({n / 2, n / 2});
   options.conditions.resize(1); // left
@@ -18,23 +18,23 @@ app::SceneOptions clamped_plate(Index n)
 }
 
 /// The same plate of n x n particles, clamped by a layer of one horizon, with three free sides.
-app::SceneOptions clamped_particles(Index n) { return test::pulled_particles(n, {1e-3, 5e-4}); }
+options::SceneOptions clamped_particles(Index n) { return test::pulled_particles(n, {1e-3, 5e-4}); }
 
-double iterations(const app::SceneOptions& options, MPI_Comm comm)
+double iterations(const options::SceneOptions& options, MPI_Comm comm)
 {
   test::Scene scene(options, false, comm);
   scene.solve();
   return scene.report().linear_iterations;
 }
 
-void expect_few_iterations(const app::SceneOptions& options)
+void expect_few_iterations(const options::SceneOptions& options)
 {
   const double found = iterations(options, PETSC_COMM_WORLD);
   EXPECT_GT(found, 1);
   EXPECT_LE(found, kMostIterations);
 }
 
-void expect_few_iterations_on_any_number_of_ranks(const app::SceneOptions& options)
+void expect_few_iterations_on_any_number_of_ranks(const options::SceneOptions& options)
 {
   const double found = iterations(options, PETSC_COMM_WORLD);
   const double alone = test::on_one_rank([&](MPI_Comm comm) { return iterations(options, comm); });
@@ -43,7 +43,7 @@ void expect_few_iterations_on_any_number_of_ranks(const app::SceneOptions& optio
   EXPECT_LE(std::abs(found - alone), 2.0);
 }
 
-void expect_assembled_solution(const app::SceneOptions& options)
+void expect_assembled_solution(const options::SceneOptions& options)
 {
   test::Scene free(options), whole(options, true);
   EXPECT_TRUE(free.system().coarse);
@@ -69,7 +69,7 @@ TEST(TwoLevel, FewIterationsForParticlesOnlyOfAnySize)
 TEST(TwoLevel, FewIterationsForALayerAllAround)
 {
   auto options = test::held_particles(80);
-  app::BoundaryCondition weight;
+  options::BoundaryCondition weight;
   weight.name = "weight";
   weight.body = Vector<3>(0.0, -1e-3, 0.0);
   options.conditions.push_back(weight);
@@ -103,7 +103,7 @@ TEST(TwoLevel, SupportsInParticleRowsAndFreeSurfaces)
 TEST(TwoLevel, ChosenParticlesInABoxHoldTheBody)
 {
   auto options = clamped_particles(40);
-  app::BoundaryCondition& clamp = options.conditions[0];
+  options::BoundaryCondition& clamp = options.conditions[0];
   clamp.layer = false;
   clamp.on = "";
   clamp.box = geom::Box<2>{{0.0, 0.0}, {0.2, 0.1}};
@@ -124,12 +124,12 @@ TEST(TwoLevel, InterfaceSchemeConvergesByGmres)
 
 TEST(TwoLevel, AFewRows)
 {
-  app::BoundaryCondition weight;
+  options::BoundaryCondition weight;
   weight.name = "weight";
   weight.body = Vector<3>(1e-3, 2e-3, 0.0);
   auto corner = test::held_plate({2, 2}, {{0.0, 0.0}, {2.0, 2.0}});
   auto middle = test::held_plate({3, 3}, {{0.0, 0.0}, {3.0, 3.0}});
-  for (app::SceneOptions* options : {&corner, &middle}) {
+  for (options::SceneOptions* options : {&corner, &middle}) {
     options->conditions.resize(1);
     options->conditions.push_back(weight);
   }
@@ -145,7 +145,7 @@ TEST(TwoLevel, NothingToDoWithoutPatches)
   options.conditions.resize(1);
   options.conditions.push_back(test::pull("right", {1e-3, 0.0}));
   options.conditions[0].displacement[1].reset(); // slides up and down
-  app::BoundaryCondition pin;
+  options::BoundaryCondition pin;
   pin.name = "pin";
   pin.box = geom::Box<2>{{0.0, 0.0}, {0.0, 0.0}};
   pin.displacement = {0.0, 0.0};

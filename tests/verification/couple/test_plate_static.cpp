@@ -7,12 +7,12 @@ using namespace pdx;
 // [XPD1 Sec. 3.2], coarse: 5 x 5 mm, 100 x 100 elements, 80 x 80 particles in the middle, clamped on the left, 1 MPa
 // along and across on the right. Reference numbers are those of an independent program.
 namespace {
-app::SceneOptions plate()
+options::SceneOptions plate()
 {
   auto options = test::held_plate({100, 100}, {{0.0, 0.0}, {5e-3, 5e-3}});
   options.elastic = {1e9, 1.0 / 3.0, law::Plane::stress, 1e-3};
   options.conditions.resize(1); // left
-  app::BoundaryCondition load;
+  options::BoundaryCondition load;
   load.name = "load";
   load.on = "right";
   load.traction = Vector<3>(1e6, 1e6, 0.0);
@@ -20,17 +20,17 @@ app::SceneOptions plate()
   return options;
 }
 
-app::SceneOptions with_patch() { return test::with_patch(plate(), {{1.5e-3, 1.5e-3}, {3.5e-3, 3.5e-3}}, 2.5e-5); }
+options::SceneOptions with_patch() { return test::with_patch(plate(), {{1.5e-3, 1.5e-3}, {3.5e-3, 3.5e-3}}, 2.5e-5); }
 
 /// The elements-only displacement at the local vertices of the mesh that `with_patch` has: cut with its weights.
 const std::vector<double>& elements_only()
 {
   static const std::vector<double> reference = [] {
-    const app::SceneOptions options = with_patch();
+    const options::SceneOptions options = with_patch();
     mesh::MeshOptions mesh_options = options.mesh;
-    const app::PatchPlan plan = app::plan_patches(options, mesh_options);
-    mesh::Mesh mesh = mesh::build(PETSC_COMM_WORLD, mesh_options, app::cell_cost(plan));
-    const auto d = app::discretise(mesh, options, {}, {}, true);
+    const scene::PatchPlan plan = scene::plan_patches(options, mesh_options);
+    mesh::Mesh mesh = mesh::build(PETSC_COMM_WORLD, mesh_options, scene::cell_cost(plan));
+    const auto d = scene::discretise(mesh, options, {}, {}, true);
     solve::StaticDriver driver(d->system, {1, true});
     const VecHandle u = d->system.rows.vector();
     driver.run(u.get(), [](const solve::Step&, Vec) { return solve::Verdict::go_on; });
@@ -42,7 +42,7 @@ const std::vector<double>& elements_only()
 struct Choice {
   couple::Scheme scheme;
   pd::Calibration calibration;
-  app::SurfaceCorrection surface_correction;
+  options::SurfaceCorrection surface_correction;
 };
 
 post::DisplacementError error_of(const Choice& choice)
@@ -81,7 +81,8 @@ TEST(PlateStatic, ElementsOnlyMoveAsComputedElsewhere)
 
 TEST(PlateStatic, EnergySchemeErrsBySevenThousandthsOfAPercent)
 {
-  const auto error = error_of({couple::Scheme::energy, pd::Calibration::lattice, app::SurfaceCorrection::automatic});
+  const auto error =
+      error_of({couple::Scheme::energy, pd::Calibration::lattice, options::SurfaceCorrection::automatic});
   EXPECT_NEAR(error.max_relative_percent, 0.0072, 0.0001);
   EXPECT_NEAR(error.mean_relative_percent, 0.0011, 0.0001);
   EXPECT_NEAR(error.vector_l2_percent, 0.0011, 0.0001);
@@ -89,23 +90,24 @@ TEST(PlateStatic, EnergySchemeErrsBySevenThousandthsOfAPercent)
 
 TEST(PlateStatic, EnergySchemeWithTheContinuumsBondsErrsByTheirModuli)
 {
-  const auto error = error_of({couple::Scheme::energy, pd::Calibration::continuum, app::SurfaceCorrection::none});
+  const auto error = error_of({couple::Scheme::energy, pd::Calibration::continuum, options::SurfaceCorrection::none});
   EXPECT_NEAR(error.max_relative_percent, 0.8807, 0.001);
   EXPECT_NEAR(error.vector_l2_percent, 0.600, 0.001);
 }
 
 TEST(PlateStatic, InterfaceSchemeErrsByAHundredthOfAPercent)
 {
-  const auto error = error_of({couple::Scheme::interface, pd::Calibration::lattice, app::SurfaceCorrection::automatic});
+  const auto error =
+      error_of({couple::Scheme::interface, pd::Calibration::lattice, options::SurfaceCorrection::automatic});
   EXPECT_NEAR(error.max_relative_percent, 0.0115, 0.0002);
 }
 
 // The papers' scheme; [XPD1 Sec. 3.2] has 1.19 %.
 TEST(PlateStatic, GhostSchemeErrsAsInThePaper)
 {
-  const auto error = error_of({couple::Scheme::ghost, pd::Calibration::continuum, app::SurfaceCorrection::volume});
+  const auto error = error_of({couple::Scheme::ghost, pd::Calibration::continuum, options::SurfaceCorrection::volume});
   EXPECT_NEAR(error.max_relative_percent, 1.20, 0.03);
   EXPECT_NEAR(error.mean_relative_percent, 0.184, 0.005);
-  const auto bare = error_of({couple::Scheme::ghost, pd::Calibration::continuum, app::SurfaceCorrection::none});
+  const auto bare = error_of({couple::Scheme::ghost, pd::Calibration::continuum, options::SurfaceCorrection::none});
   EXPECT_NEAR(bare.max_relative_percent, 1.185, 0.002);
 }

@@ -16,7 +16,7 @@ struct Choice {
 double error_of(Index n, const Choice& choice)
 {
   auto options = test::held_particles(n);
-  options.pd.surface_correction = app::SurfaceCorrection::none; // the layers go on beyond what is modelled
+  options.pd.surface_correction = options::SurfaceCorrection::none; // the layers go on beyond what is modelled
   options.pd.micromodulus = choice.micromodulus;
   options.pd.horizon_ratio = choice.ratio;
   test::Scene scene(options);
@@ -48,7 +48,7 @@ TEST(DeltaConvergence, UniformStrainIsExactWithCalibratedBonds)
 {
   const test::Option tight("-ksp_rtol", "1e-13");
   auto options = test::held_particles(20);
-  options.pd.surface_correction = app::SurfaceCorrection::none;
+  options.pd.surface_correction = options::SurfaceCorrection::none;
   test::Scene scene(options);
   const auto field = test::affine(1e-3, 7e-4, 2e-4, -8e-4, {3e-4, -2e-4});
   scene.prescribe(field);

@@ -10,18 +10,18 @@ namespace pdx::test {
 namespace {
 
 /// n x n particles alone, held on the left: a loose body drifts, and rounding grows with the square of how far.
-app::SceneOptions particles_held_left(Index n, app::Kinematics kinematics)
+options::SceneOptions particles_held_left(Index n, options::Kinematics kinematics)
 {
-  app::SceneOptions options = moving(held_particles(n));
+  options::SceneOptions options = moving(held_particles(n));
   options.conditions.resize(1);
   options.kinematics = kinematics;
   return options;
 }
 
 /// 6 x 6 elements, the middle ones with 8 x 8 particles, held on the left.
-app::SceneOptions coupled_held_left(couple::Scheme scheme)
+options::SceneOptions coupled_held_left(couple::Scheme scheme)
 {
-  app::SceneOptions options =
+  options::SceneOptions options =
       with_patch(held_plate({6, 6}), {{1.0 / 3.0, 1.0 / 3.0}, {2.0 / 3.0, 2.0 / 3.0}}, 1.0 / 24.0);
   options.conditions.resize(1);
   options.scheme = scheme;
@@ -76,7 +76,7 @@ int steps_to_take()
   return given ? std::atoi(given) : 100000;
 }
 
-void expect_kept(const app::SceneOptions& options, double speed = 1e-4)
+void expect_kept(const options::SceneOptions& options, double speed = 1e-4)
 {
   Scene scene(options, false, PETSC_COMM_SELF);
   const Drift drift = drift_of(scene, steps_to_take(), speed);
@@ -84,12 +84,12 @@ void expect_kept(const app::SceneOptions& options, double speed = 1e-4)
   EXPECT_LE(std::abs(drift.after - drift.before), 1e-7);
 }
 
-TEST(FreeVibration, OfParticlesKeepsItsEnergy) { expect_kept(particles_held_left(12, app::Kinematics::small)); }
+TEST(FreeVibration, OfParticlesKeepsItsEnergy) { expect_kept(particles_held_left(12, options::Kinematics::small)); }
 
 // With finite stretches the scheme's energy is kept up to the strain there is: about speed over wave speed.
 TEST(FreeVibration, OfParticlesWithFiniteStretchesKeepsItsEnergy)
 {
-  expect_kept(particles_held_left(12, app::Kinematics::finite), 2e-8);
+  expect_kept(particles_held_left(12, options::Kinematics::finite), 2e-8);
 }
 
 TEST(FreeVibration, OfCoupledPlatesKeepsItsEnergy)
@@ -98,7 +98,7 @@ TEST(FreeVibration, OfCoupledPlatesKeepsItsEnergy)
 }
 
 /// Steps until a run at `share` of the true limit is given up, 0 if it is not in 2000 steps.
-int steps_until_wild(const app::SceneOptions& options, double share)
+int steps_until_wild(const options::SceneOptions& options, double share)
 {
   Scene scene(options, false, PETSC_COMM_SELF);
   shake(scene, 1e-4);
@@ -121,8 +121,8 @@ int steps_until_wild(const app::SceneOptions& options, double share)
 
 TEST(FreeVibration, JustAboveTheTrueLimitIsCaughtSoonAndJustBelowItIsNot)
 {
-  for (const app::SceneOptions& options :
-       {particles_held_left(12, app::Kinematics::small), coupled_held_left(couple::Scheme::energy)}) {
+  for (const options::SceneOptions& options :
+       {particles_held_left(12, options::Kinematics::small), coupled_held_left(couple::Scheme::energy)}) {
     const int steps = steps_until_wild(options, 1.02);
     EXPECT_GT(steps, 0);
     EXPECT_LE(steps, 100);

@@ -7,17 +7,17 @@ namespace pdx::test {
 namespace {
 constexpr double kDensity = 7.0; // [kg/m^3]
 
-app::SceneOptions dense(app::SceneOptions options)
+options::SceneOptions dense(options::SceneOptions options)
 {
   options.elastic.density = kDensity;
-  options.time.analysis = app::Analysis::implicit_dynamics; // a part that a crack cuts off needs no supports
+  options.time.analysis = options::Analysis::implicit_dynamics; // a part that a crack cuts off needs no supports
   return options;
 }
 
 /// An n x n plate, all around free, with a patch of 2 x 2 to 4 x 4 elements at `ratio` particles per element.
-app::SceneOptions coupled(Index n, Index first, Index last, double ratio)
+options::SceneOptions coupled(Index n, Index first, Index last, double ratio)
 {
-  app::SceneOptions options = dense(held_plate({n, n}));
+  options::SceneOptions options = dense(held_plate({n, n}));
   options.conditions.resize(1);
   const double h = 1.0 / n;
   return with_patch(options, {{first * h, first * h}, {last * h, last * h}}, h / ratio);
@@ -29,7 +29,7 @@ struct Limits {
 };
 
 /// On one rank, whichever that is.
-Limits limits_of(const app::SceneOptions& options)
+Limits limits_of(const options::SceneOptions& options)
 {
   Scene scene(options, false, PETSC_COMM_SELF);
   EXPECT_TRUE(scene.system().linear());
@@ -38,7 +38,7 @@ Limits limits_of(const app::SceneOptions& options)
 }
 
 /// Bound and exact limit, the former not above the latter and at least `least` of it.
-void expect_rigorous(const std::string& name, const app::SceneOptions& options, double least)
+void expect_rigorous(const std::string& name, const options::SceneOptions& options, double least)
 {
   const auto [bound, exact, place] = limits_of(options);
   EXPECT_LE(bound, exact * (1.0 + 1e-10)) << name;
@@ -52,7 +52,7 @@ void expect_rigorous(const std::string& name, const app::SceneOptions& options, 
 
 TEST(StableStep, OfAPlateOfElementsIsSharp)
 {
-  app::SceneOptions options = dense(held_plate({10, 10}));
+  options::SceneOptions options = dense(held_plate({10, 10}));
   expect_rigorous("elements, held", options, 0.84);
   options.conditions.resize(1);
   expect_rigorous("elements, one side held", options, 0.84);
@@ -61,11 +61,11 @@ TEST(StableStep, OfAPlateOfElementsIsSharp)
 TEST(StableStep, OfParticlesIsRigorous)
 {
   for (const double m : {3.0, 4.0, 6.0}) {
-    app::SceneOptions options = dense(held_particles(28));
+    options::SceneOptions options = dense(held_particles(28));
     options.pd.horizon_ratio = m;
     expect_rigorous("particles, conical " + std::to_string(m), options, 0.75);
   }
-  app::SceneOptions options = dense(held_particles(28));
+  options::SceneOptions options = dense(held_particles(28));
   options.pd.horizon_ratio = 3.0;
   options.pd.micromodulus = law::Micromodulus::uniform;
   expect_rigorous("particles, uniform 3", options, 0.75);
@@ -76,7 +76,7 @@ TEST(StableStep, OfCoupledPlatesIsRigorous)
   for (const auto scheme : {couple::Scheme::energy, couple::Scheme::ghost}) {
     const std::string name = scheme == couple::Scheme::ghost ? "ghost" : "energy";
     for (const double ratio : {2.0, 4.0, 5.0}) {
-      app::SceneOptions options = ratio == 2.0 ? coupled(10, 3, 8, ratio) : coupled(9, 3, 6, ratio);
+      options::SceneOptions options = ratio == 2.0 ? coupled(10, 3, 8, ratio) : coupled(9, 3, 6, ratio);
       options.scheme = scheme;
       expect_rigorous(name + " h/dx = " + std::to_string(ratio), options, 0.5);
     }
@@ -87,7 +87,7 @@ TEST(StableStep, OfCutPlatesIsRigorous)
 {
   for (const double angle : {0.0, 0.3, 0.8})
     for (const double y : {0.5, 0.4501, 0.4999}) {
-      app::SceneOptions options = dense(held_plate({10, 10}));
+      options::SceneOptions options = dense(held_plate({10, 10}));
       options.conditions.resize(1);
       options.cracks.lines = {through_crack({0.51, y}, angle)};
       expect_rigorous("cut at " + std::to_string(angle) + ", " + std::to_string(y), options, 0.55);
@@ -97,14 +97,14 @@ TEST(StableStep, OfCutPlatesIsRigorous)
     }
 }
 
-double bound_of(const app::SceneOptions& options)
+double bound_of(const options::SceneOptions& options)
 {
   Scene scene(options, false, PETSC_COMM_SELF);
   return solve::stable_step(scene.system()).limit;
 }
 
 /// Bounds relative to the same plate without a crack: the smallest over all cracks given.
-double worst_share(app::SceneOptions options, const std::vector<crack::Polyline>& cracks)
+double worst_share(options::SceneOptions options, const std::vector<crack::Polyline>& cracks)
 {
   const double whole = bound_of(options);
   double worst = 1.0;
@@ -127,9 +127,9 @@ std::vector<crack::Polyline> cracks_near_a_node(const std::vector<double>& angle
   return cracks;
 }
 
-app::SceneOptions free_plate()
+options::SceneOptions free_plate()
 {
-  app::SceneOptions options = dense(held_plate({10, 10}));
+  options::SceneOptions options = dense(held_plate({10, 10}));
   options.conditions.resize(1);
   return options;
 }
@@ -149,7 +149,7 @@ TEST(StableStep, StaysAboveABoundWhereverTheCrackRuns)
 TEST(StableStep, StaysAboveABoundWhereCracksEnterAPatch)
 {
   for (const double ratio : {2.0, 4.0}) {
-    const app::SceneOptions options = with_patch(free_plate(), {{0.5, 0.2}, {0.9, 0.8}}, 0.1 / ratio);
+    const options::SceneOptions options = with_patch(free_plate(), {{0.5, 0.2}, {0.9, 0.8}}, 0.1 / ratio);
     EXPECT_GT(worst_share(options, cracks_near_a_node({0.0, 0.1, 0.3, 0.7853981633974483})), 0.5) << ratio;
   }
 }
@@ -158,7 +158,7 @@ TEST(StableStep, StaysAboveABoundWhereCracksEnterAPatch)
 /// there: the body does have such a frequency, and the step says where.
 TEST(StableStep, NamesTheStripBetweenAPatchAndACrackAlongIt)
 {
-  app::SceneOptions options = with_patch(free_plate(), {{0.5, 0.2}, {0.9, 0.8}}, 0.05);
+  options::SceneOptions options = with_patch(free_plate(), {{0.5, 0.2}, {0.9, 0.8}}, 0.05);
   const double whole = bound_of(options);
   options.cracks.lines = {through_crack({0.894, 0.551}, 1.6074)};
   const auto [bound, exact, place] = limits_of(options);

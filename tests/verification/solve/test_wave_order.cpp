@@ -8,7 +8,7 @@
 
 namespace pdx::test {
 namespace {
-using app::Analysis;
+using options::Analysis;
 constexpr double kShare = 0.3; // of a period, the length of all runs
 const auto go_on = [] { return solve::TimeDriver::Verdict::go_on; };
 
@@ -46,7 +46,7 @@ double distance(const Scene& scene, const std::vector<double>& a, const std::vec
 }
 
 /// Error in L2 of the wave, its steps so short that only the error in space is left.
-double error_of(const app::SceneOptions& options)
+double error_of(const options::SceneOptions& options)
 {
   Scene scene(moving(options));
   const StandingWave wave(scene.options().elastic);
@@ -71,7 +71,7 @@ void expect_order(const std::vector<double>& errors, double least, double most)
   }
 }
 
-app::SceneOptions coupled(Index n) { return with_patch(held_plate({n, n}), {{0.25, 0.25}, {0.75, 0.75}}, 0.5 / n); }
+options::SceneOptions coupled(Index n) { return with_patch(held_plate({n, n}), {{0.25, 0.25}, {0.75, 0.75}}, 0.5 / n); }
 
 TEST(WaveOrder, OfElementsInSpaceIsTwo)
 {
@@ -86,7 +86,7 @@ TEST(WaveOrder, OfParticlesInSpaceIsTwo)
   std::vector<double> errors;
   for (const Index n : {10, 20, 40}) {
     auto options = held_particles(n);
-    options.pd.surface_correction = app::SurfaceCorrection::none; // the layers go on beyond what is modelled
+    options.pd.surface_correction = options::SurfaceCorrection::none; // the layers go on beyond what is modelled
     errors.push_back(error_of(options));
   }
   expect_order(errors, 1.95, 2.4);
@@ -102,8 +102,8 @@ TEST(WaveOrder, OfCoupledPlatesInSpaceIsTwo)
 TEST(WaveOrder, InTimeIsTwo)
 {
   auto particles = held_particles(12);
-  particles.pd.surface_correction = app::SurfaceCorrection::none;
-  for (const app::SceneOptions& options : {held_plate({12, 12}), particles, coupled(8)}) {
+  particles.pd.surface_correction = options::SurfaceCorrection::none;
+  for (const options::SceneOptions& options : {held_plate({12, 12}), particles, coupled(8)}) {
     Scene scene(moving(options));
     StandingWave(scene.options().elastic).drive(scene);
     const int steps = enough_steps(scene);

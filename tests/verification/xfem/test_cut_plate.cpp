@@ -5,9 +5,9 @@
 
 namespace pdx::test {
 namespace {
-app::SceneOptions cut_plate(const crack::Polyline& line, std::array<Index, 2> cells = {9, 7})
+options::SceneOptions cut_plate(const crack::Polyline& line, std::array<Index, 2> cells = {9, 7})
 {
-  app::SceneOptions options = held_plate(cells);
+  options::SceneOptions options = held_plate(cells);
   options.cracks.lines = {line};
   return options;
 }
@@ -75,7 +75,7 @@ TEST(CutPlate, ConstantStrainOnEitherSideIsExact)
 TEST(CutPlate, GridQuadratureMovesHalvesRigidlyToo)
 {
   for (const Cut& cut : random_cuts(10)) {
-    app::SceneOptions options = cut_plate(through_crack(cut.point, cut.angle));
+    options::SceneOptions options = cut_plate(through_crack(cut.point, cut.angle));
     options.cracks.rule.quadrature = xfem::Quadrature::grid;
     Scene scene(options);
     const std::vector<double> u = sided_blocks(scene, {rigid(0.3, -0.2, 0.5), rigid(-0.1, 0.4, -0.7)});
@@ -141,7 +141,7 @@ TEST(CutPlate, ConditionStaysBoundedAsTheCrackNearsANode)
     for (const double angle : {0.0, 0.3, 0.78539816339744831})
       for (int power = 1; power <= 14; ++power) {
         const Vector<2> near = node + Vector<2>(0.0, h * std::pow(10.0, -power));
-        app::SceneOptions options = cut_plate(through_crack(near, angle), {6, 6});
+        options::SceneOptions options = cut_plate(through_crack(near, angle), {6, 6});
         if (patch) options = with_patch(options, {{1.0 / 3.0, 1.0 / 3.0}, {2.0 / 3.0, 2.0 / 3.0}}, h / 4.0);
         Scene scene(options, true, PETSC_COMM_SELF);
         const Condition found = condition_of(scene);
@@ -151,9 +151,9 @@ TEST(CutPlate, ConditionStaysBoundedAsTheCrackNearsANode)
   }
 }
 
-app::SceneOptions cut_patch(const Cut& cut, couple::Scheme scheme, double dx)
+options::SceneOptions cut_patch(const Cut& cut, couple::Scheme scheme, double dx)
 {
-  app::SceneOptions options = cut_plate(through_crack(cut.point, cut.angle), {10, 10});
+  options::SceneOptions options = cut_plate(through_crack(cut.point, cut.angle), {10, 10});
   options.scheme = scheme;
   return with_patch(options, {{0.3, 0.3}, {0.7, 0.7}}, dx);
 }

@@ -1,0 +1,162 @@
+#pragma once
+#include "pdx/couple/step_breaker.hpp"
+#include "pdx/field/output_field.hpp"
+#include "pdx/field/system.hpp"
+#include "pdx/io/curve.hpp"
+#include "pdx/options/scene_options.hpp"
+#include "pdx/pd/particles.hpp"
+#include "pdx/post/energy_ledger.hpp"
+#include "pdx/scene/body_books.hpp"
+
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <set>
+
+namespace pdx::scene {
+/// Components a boundary condition holds, for its reaction force.
+struct HeldPart {
+  std::string name;
+  std::vector<Index> components; ///< owned, local
+};
+
+/// Where friction holds points, of all ranks, by names that are alike on any number of them: `couple::NamedGrip`.
+struct NamedGrips {
+  std::vector<std::uint64_t> names; ///< of each: the point, the body of the skin, the points of the facet
+  std::vector<double> numbers;      ///< of each: the weights of these, and the stretch [m]
+};
+
+/// What bodies that touch keep besides the state of rows.
+class Touching {
+public:
+  virtual ~Touching() = default;
+  virtual void add_energies(std::span<const double> local, post::Energies& mine) const = 0; ///< [J]
+  virtual const couple::ContactBooks* books() const = 0;
+  /// Sums since the start, this rank's part, and the way back: ranks may be others, if all are added up.
+  ///@{
+  virtual std::vector<double> sums() const = 0;
+  virtual void resume(std::span<const double> sums) = 0;
+  ///@}
+  virtual std::optional<NamedGrips> grips() const = 0; ///< none where nothing rubs; collective
+  virtual void hold(const NamedGrips& grips) = 0;      ///< points that are not here any more are let go
+};
+
+/// A scene with its rows, Terms and conditions, in the plane or in space: all that stepping through time and recording
+/// ask of it.
+struct Model {
+  Model() = default;
+  virtual ~Model() = default;
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  crack::CrackSet cracks;
+  geom::Box<2> body; ///< in the plane, that the cracks are in [m]
+  field::System system;
+  std::vector<pd::Particle> particles;    ///< owned, in order of rows
+  couple::BondBreaker* breaker = nullptr; ///< borrowed from system.after_step; null in statics or if nothing can break
+  std::vector<double> critical_stretch;   ///< per patch [-]; empty if nothing can break
+  std::vector<HeldPart> held_parts;
+  Index ghosts = 0;                 ///< on all ranks [-]
+  std::int64_t material_points = 0; ///< likewise
+
+  /// This rank's strain energies at local blocks u [J]. Collective.
+  virtual post::Energies energies(std::span<const double> local) const = 0;
+
+  /// Tiles of bonds in all passes in lane strips so far, this rank.
+  struct Tiles {
+    std::int64_t computed = 0, skipped = 0;
+    Tiles& operator+=(const Tiles& more)
+    {
+      computed += more.computed;
+      skipped += more.skipped;
+      return *this;
+    }
+  };
+  virtual Tiles tiles() const = 0;
+  /// Cells of material points on a grid that is kept, in all passes so far, this rank.
+  virtual Tiles cells_of_points() const { return {}; }
+
+  std::unique_ptr<BodyLedger> bodies; ///< null where bodies are not told apart
+  std::unique_ptr<Touching> touching; ///< null where nothing touches
+
+  /// What history.csv says of this kind of scene besides. @param local displacement, with its halo [m]
+  /// @param velocity of owned components [m/s]   The last is collective.
+  ///@{
+  virtual std::vector<io::Column> more_columns() const
+  {
+    return bodies ? bodies->more_columns() : std::vector<io::Column>{};
+  }
+  virtual void add_more(std::span<const double> local, std::span<const double> velocity, std::vector<double>& row) const
+  {
+    if (bodies) bodies->add_more(local, velocity, row);
+  }
+  ///@}
+
+  /// What of the sums since the start is this kind of scene's: `Touching::sums`.
+  ///@{
+  std::vector<double> rank_sums() const { return touching ? touching->sums() : std::vector<double>{}; }
+  void resume_sums(std::span<const double> sums) const
+  {
+    if (touching) touching->resume(sums);
+  }
+  ///@}
+};
+
+/// The cracks that are there from the start. Throws UserError for one that is nowhere in the body.
+crack::CrackSet cracks_in(const options::SceneOptions& options, const geom::Box<2>& body);
+
+/// Throws UserError for a zone without failure that is nowhere in the body.
+void judge_no_fail(const options::SceneOptions& options, const geom::Box<2>& body);
+
+/// Critical stretch of the bonds of a stencil, by toughness or as given [-].
+template <int Dim> double critical_stretch(const options::SceneOptions& options, const pd::Stencil<Dim>& stencil);
+
+/// What a condition does to the rows it chooses.
+enum class Acts { held, thrown };
+constexpr const char* word_of(Acts acts)
+{
+  return acts == Acts::held ? "displacement or velocity" : "initial velocity";
+}
+
+/// Enters boundary conditions into a Model: what is held, thrown in or loaded, and what drives that in time.
+class Prescriptions {
+public:
+  /// The rows of the model are numbered. @param options, model outlive this
+  Prescriptions(const options::SceneOptions& options, Model& model);
+
+  /// All conditions, in order: later ones win where something is held, and the reaction is theirs.
+  /// @param rows_of (condition, Acts) -> std::set<Index> of owned rows
+  /// @param add_loads (condition, force of owned components [N]); called where there is a traction or force
+  template <class RowsOf, class AddLoads> void enter(RowsOf&& rows_of, AddLoads&& add_loads)
+  {
+    std::vector<double> force;
+    for (const options::BoundaryCondition& c : options_.conditions) {
+      if (c.holds()) hold(c, rows_of(c, Acts::held));
+      if (c.initial_velocity) throw_in(c, rows_of(c, Acts::thrown));
+      if (!c.traction && !c.body && !c.force) continue;
+      force.assign(static_cast<std::size_t>(model_.system.rows.owned() * dim_), 0.0);
+      add_loads(c, force);
+      load(c, force);
+    }
+    finish();
+  }
+
+private:
+  void hold(const options::BoundaryCondition& c, const std::set<Index>& rows);
+  void throw_in(const options::BoundaryCondition& c, const std::set<Index>& rows);
+  void load(const options::BoundaryCondition& c, std::span<const double> force);
+  void finish();
+
+  struct Held {
+    double value = 0.0; ///< [m] or [m/s]
+    std::size_t condition = 0;
+    bool moves = false; ///< it is a velocity
+  };
+  bool is_set(Index row) const;
+
+  const options::SceneOptions& options_;
+  Model& model_;
+  Index dim_;
+  std::map<Index, Held> values_; // per held component
+};
+} // namespace pdx::scene

@@ -1,0 +1,105 @@
+#pragma once
+#include "pdx/adapt/fill.hpp"
+#include "pdx/field/row_move.hpp"
+#include "pdx/field/state.hpp"
+#include "pdx/scene/crack_notes.hpp"
+#include "pdx/scene/dormant.hpp"
+#include "pdx/scene/scene_names.hpp"
+#include "pdx/solve/time_driver.hpp"
+
+#include <set>
+
+namespace pdx::scene {
+/// What a CrackWatch has seen, by names of particles.
+struct NamedCracks {
+  std::int64_t bonds_broken = 0; ///< at the last look
+  double time = 0.0, largest_speed = 0.0;
+  std::vector<field::RowName> arrivals; ///< of all ranks, in order of looks
+  std::vector<double> arrival_times;    ///< of each [s]
+  std::vector<int> per_look;            ///< how many of them each look saw
+  std::vector<double> damage; ///< at the last look, one for each of `NamedState::particles`; below 0: not looked at yet
+};
+
+/// All that a scene has come to, by names that outlive its ranks and its layout: what another layout, a checkpoint and
+/// a restarted run take of it. The lists of a rank may be those of what it owns, or any share of all.
+struct NamedState {
+  int dim = 2;
+  std::vector<field::RowName> rows; ///< RowName() for none
+  bool in_time = false;
+  field::State moving; ///< of `rows`; in statics the displacement alone, put there by who asks for it
+  std::vector<field::RowName> particles;
+  int words_per_particle = 0;      ///< 0 where nothing can break
+  std::vector<std::uint64_t> gone; ///< bonds that broke or were cut, so many words for each of `particles`
+  /// Names of carried bonds that broke, of all ranks, ascending; none where there are no carried bonds.
+  std::optional<std::vector<std::uint64_t>> carried;
+  std::optional<NamedGrips> grips;   ///< of all ranks; none where nothing rubs
+  std::optional<NamedCracks> cracks; ///< as a CrackWatch has seen them; none without one
+};
+
+/// What a scene owns, without what moves. Collective.
+NamedState capture(const Standing& scene);
+/// The same of a scene in time. Collective.
+NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks);
+
+/// Adds rows that the next layout will have to what a scene in the plane owns.
+/// @param fresh displacement, velocity; nodes or particles, of which nothing is broken
+void add_rows(NamedState& state, const adapt::FreshRows& fresh);
+
+/// Why a state does not fit a scene, and in which table of a checkpoint that stands.
+struct Misfit {
+  const char* table = "";
+  std::string why; ///< empty: it fits
+};
+
+/// The way of a state to a scene, which may have other ranks and another layout. All methods are collective.
+class StateMove {
+public:
+  /// Where a state comes from.
+  enum class From {
+    file,    ///< as may be, of any ranks
+    same,    ///< this run, under the same layout
+    changed, ///< this run, under another layout
+  };
+  /// Both must outlive this.
+  StateMove(const NamedState& state, const Standing& scene, From from = From::file);
+  const Misfit& misfit() const { return misfit_; } ///< nothing below may be asked for what does not fit
+
+  /// 1 for each of the scene's rows that comes from behind the first so many of the state's on its rank, else 0.
+  std::vector<double> came_after(std::size_t known) const;
+  /// Values of the scene's rows. @param values of the state's rows x components
+  std::vector<double> rows(std::span<const double> values, int components) const;
+  /// Breaks the bonds that are broken there.
+  void break_bonds() const;
+  /// Friction holds points where it held them there.
+  void hold_grips() const;
+  field::State moving() const;
+  std::optional<CrackNotes> cracks() const;
+
+  /// What the scene has no place for.
+  Dormant dormant() const;
+
+  /// Throws std::logic_error for what does not fit: between two layouts of one run nothing may be lost.
+  void require_fit() const;
+
+private:
+  /// Particles of all that lost bonds: few, where all have names.
+  struct Torn {
+    std::vector<field::RowName> names;
+    std::vector<std::uint64_t> gone;
+    /// Of any particles. Collective.
+    std::vector<std::uint64_t> words_of(MPI_Comm comm, std::span<const field::RowName> wanted, int width) const;
+  };
+  Torn torn_particles() const;
+  Misfit misfit_of() const;
+  void break_joined() const;
+  std::vector<std::uint64_t> broken_carried() const;
+  std::set<std::uint64_t> parted_bonds() const;
+
+  const NamedState& state_;
+  Standing scene_;
+  bool changed_;
+  SceneNames names_;
+  field::RowMove rows_, particles_;
+  Misfit misfit_;
+};
+} // namespace pdx::scene

@@ -1,0 +1,65 @@
+#pragma once
+#include "pdx/adapt/scene_view.hpp"
+#include "pdx/scene/layout.hpp"
+#include "pdx/scene/patches.hpp"
+#include "pdx/scene/point_plan.hpp"
+#include "pdx/scene/standing.hpp"
+
+namespace pdx::scene {
+/// What a scene in the plane stands on: its mesh and the particles of its patches, not yet discretised.
+struct Ground {
+  options::SceneOptions options;
+  mesh::MeshOptions mesh_options;
+  PatchPlan plan;
+  mesh::Mesh mesh;
+  std::vector<pd::Particle> particles;        ///< none before `lay_particles`
+  std::shared_ptr<const PointPlan<2>> points; ///< null without bodies of material points
+
+  /// Throws UserError for what does not fit. Collective.
+  /// @param costs by which the mesh is cut; null: by what cells hold
+  Ground(MPI_Comm comm, options::SceneOptions given, const mesh::MeasuredCosts* costs = nullptr,
+         std::shared_ptr<const PointPlan<2>> bodies = nullptr);
+  Ground(const Ground&) = delete;
+  Ground& operator=(const Ground&) = delete;
+  /// Covers cells and fills the patches, where there are any. Collective.
+  void lay_particles();
+  /// Another layout on the same mesh: patches move, cells change hands. Collective.
+  /// @param given with that layout
+  void lay_again(options::SceneOptions given);
+  std::vector<std::string> warnings() const; ///< of what is odd but allowed, "" for none
+};
+
+/// Stable steps of a scene, for the report [s].
+struct StepLimits {
+  double rigorous = 0.0;
+  double papers = 0.0; ///< [XPD1 Eq. 26] of the finest patch; 0 without patches
+};
+
+/// A scene in time under one layout, with all that it stands on. A change of layout makes another.
+class Scene {
+public:
+  virtual ~Scene() = default;
+  virtual Standing standing() = 0;
+  virtual field::System& system() = 0;
+  virtual StepLimits limits() = 0; ///< Collective.
+  /// What can be asked to move the patches; throws std::logic_error where there are none that move.
+  virtual adapt::SceneView view() const { throw std::logic_error("a scene without patches that move"); }
+  /// Another layout on the same mesh takes the place of this one. Collective.
+  virtual void change(const Layout&) { throw std::logic_error("a scene without patches that move"); }
+  virtual std::vector<std::string> warnings() { return {}; }
+};
+
+/// Makes a scene for a layout, its mesh cut by measured costs if there are any. Collective. Throws UserError for what
+/// does not fit, Stopped when a signal came.
+using SceneMaker = std::function<std::unique_ptr<Scene>(const Layout& layout, const mesh::MeasuredCosts* costs)>;
+
+SceneMaker plane_scene(MPI_Comm comm, const options::SceneOptions& options);
+SceneMaker solid_scene(MPI_Comm comm, const options::SceneOptions& options);
+/// Reads the file and moves cloud and options into its frame. Collective.
+SceneMaker cloud_scene(MPI_Comm comm, options::SceneOptions& options);
+/// Bodies of material points beside elements and particles, in the plane. Fills them, reads the mesh, and moves the
+/// options into the frame of all. Collective.
+SceneMaker mixed_scene(MPI_Comm comm, options::SceneOptions& options);
+/// Fills the bodies of material points and moves the options into their frame. Collective.
+SceneMaker point_scene(MPI_Comm comm, options::SceneOptions& options);
+} // namespace pdx::scene

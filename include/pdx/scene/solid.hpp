@@ -1,0 +1,42 @@
+#pragma once
+#include "pdx/pd/bond_term.hpp"
+#include "pdx/scene/model.hpp"
+#include "pdx/scene/patches.hpp"
+
+namespace pdx::scene {
+/// A body in space: that of the plane, extruded along z from 0 to the thickness, of particles only. The background mesh
+/// stays in the plane; a cell holds whole columns of particles, so that ranks part the body along z.
+struct SolidPlan {
+  PatchPlan columns; ///< the body in the plane as one patch, without stencil
+  geom::Lattice<3> lattice;
+  pd::Stencil<3> stencil;
+};
+
+/// Completes the mesh options by background cells of about 4 dx. Throws UserError for a spacing that does not fit all
+/// three sides, naming one that does, and for a horizon that makes no stencil.
+SolidPlan plan_solid(const options::SceneOptions& options, mesh::MeshOptions& mesh);
+
+/// Cost of a cell: its particles.
+mesh::CellCost cell_cost(const SolidPlan& plan);
+
+/// The particles over the cells this rank owns, by site of the lattice in space; `Particle::x` is in the plane.
+/// Collective.
+std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const SolidPlan& plan, pd::Particles& swarm);
+
+/// Rows, Terms and conditions of a solid, ready to be stepped explicitly.
+struct Solid final : Model {
+  pd::BondTerm<3>* bonds = nullptr; ///< borrowed from system.terms
+
+  post::Energies energies(std::span<const double> local) const override;
+  Tiles tiles() const override { return {bonds->tiles_computed(), bonds->tiles_skipped()}; }
+};
+
+/// Collective. Throws UserError for conditions and cracks that are nowhere in the body.
+std::unique_ptr<Solid> discretise(MPI_Comm comm, const options::SceneOptions& options, const SolidPlan& plan,
+                                  std::vector<pd::Particle> particles);
+
+/// Turns the boundary conditions into prescribed components and loads of `solid.system`. On sides left and right (x),
+/// bottom and top (y), back and front (z); boxes reach through the thickness. Collective. Throws UserError for an
+/// unknown side and a place that selects nothing.
+void apply_conditions(const options::SceneOptions& options, const geom::Lattice<3>& lattice, Solid& solid);
+} // namespace pdx::scene

@@ -1,9 +1,0 @@
-#pragma once
-#include "pdx/app/discretisation.hpp"
-#include "pdx/couple/contact_term.hpp"
-
-namespace pdx::app {
-/// Points at the surface of the bodies of a mixed scene, of this rank: material points, particles and, along the border
-/// of the mesh, elements.
-std::vector<couple::SurfacePoint<2>> surface_points(const mesh::Mesh& mesh, const Discretisation& d);
-} // namespace pdx::app

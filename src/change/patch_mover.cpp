@@ -1,0 +1,163 @@
+#include "pdx/change/patch_mover.hpp"
+
+#include "pdx/adapt/conversion.hpp"
+#include "pdx/base/events.hpp"
+#include "pdx/base/gather.hpp"
+#include "pdx/base/options.hpp"
+#include "pdx/options/adapt_options.hpp"
+#include "pdx/scene/layout.hpp"
+#include "pdx/scene/model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <utility>
+
+namespace pdx::change {
+namespace {
+constexpr double kConnected = 4.0 / 3.0, kDisconnected = 3.0; // horizons, with the trigger connection alone
+
+} // namespace
+
+adapt::Reaches PatchMover::reaches(const couple::Surroundings& around, double horizon) const
+{
+  const double element = around.shortest_edge();
+  return {options::critical_length(options_, horizon, element), options::expansion_length(options_, horizon, element)};
+}
+
+std::vector<adapt::Reaches> PatchMover::reaches(const adapt::SceneView& scene, const scene::PatchPlan& plan) const
+{
+  std::vector<adapt::Reaches> all;
+  for (std::size_t p = 0; p < scene.around.size(); ++p)
+    all.push_back(reaches(scene.around[p], plan.stencils[p].horizon));
+  return all;
+}
+
+std::string PatchMover::begin(const adapt::SceneView& scene, const scene::PatchPlan& plan) const
+{
+  for (const auto& [critical, expansion] : reaches(scene, plan))
+    if (expansion <= critical && std::isfinite(critical))
+      throw UserError(
+          fmt::format("-adapt_expansion_length is {:g}: must be above the {:g} of -adapt_critical_length, or "
+                      "patches never move away from what broke",
+                      expansion, critical));
+  if (options_.converts() && !adapt::can_convert(scene, scene::body_lattices(options_)))
+    return "-adapt_trigger: no cell can become particles: their sides must be whole numbers of -pd_spacing, and points "
+           "full, of -material_young, _poisson and _density";
+  if (adapt::can_expand(scene) || options_.converts()) return "";
+  return "-adapt: the sides of no element are whole numbers of -pd_spacing on its lines, so no patch will grow";
+}
+
+adapt::LayoutChange PatchMover::renewal(const adapt::SceneView& scene) const
+{
+  return adapt::exchanged(scene, *options_.layout.renew_box, options_.time.dynamic());
+}
+
+bool PatchMover::broke_more(MPI_Comm comm, std::int64_t broken)
+{
+  return any_rank(comm, std::exchange(broken_, broken) != broken);
+}
+
+bool PatchMover::watches() const
+{
+  const options::SceneOptions& s = options_;
+  return !told_ && !s.layout.patches_move() && s.fracture.active() && s.pd.bordered();
+}
+
+std::string PatchMover::border(const adapt::SceneView& scene, const scene::PatchPlan& plan, std::int64_t broken)
+{
+  static Event event("border_look");
+  if (!broke_more(scene.mesh.comm(), broken)) return "";
+  const Timed timed(event);
+  std::vector<adapt::Reaches> horizons;
+  for (const pd::Stencil<2>& stencil : plan.stencils) horizons.push_back({stencil.horizon, 0.0});
+  const std::optional<Vector<2>> at = adapt::broken_at_border(scene, horizons);
+  if (!at) return "";
+  told_ = true;
+  const std::string words = fmt::format(
+      "a crack came to {}, within a horizon of the elements around its patch, which do not break: it is held "
+      "back there; give larger -pd_patches, or -adapt expand",
+      options_.frame.text(*at));
+  if (options_.layout.stops_at_border) throw SolverFailure(words);
+  return words;
+}
+
+adapt::BulkWatch PatchMover::bulk_watch(const adapt::SceneView& scene) const
+{
+  const options::Triggers& triggers = options_.layout.triggers;
+  const double dx = options_.pd.spacing[0];
+  const pd::Stencil<2> stencil =
+      pd::make_stencil<2>({dx, options_.elastic.thickness, options_.pd.horizon_ratio * dx, options_.pd.micromodulus,
+                           options_.pd.calibration, options_.elastic});
+  const double critical = scene::critical_stretch<2>(options_, stencil);
+  adapt::ConversionRule rule;
+  rule.margin = triggers.margin;
+  if (triggers.stress) rule.stress = triggers.largest_stress;
+  if (triggers.connection) rule.stretch = critical;
+  if (triggers.stretch) rule.stretch = triggers.stretch_share * critical;
+  if (triggers.connection && triggers.stretch) rule.stretch = std::min(critical, triggers.stretch_share * critical);
+  const auto& bodies = options_.points.bodies;
+  const auto elastic = [&](Index body) -> const law::Elastic& {
+    const auto b = static_cast<std::size_t>(body);
+    return b < bodies.size() ? bodies[b].elastic : options_.elastic;
+  };
+  return {scene, rule, elastic};
+}
+
+std::vector<adapt::LayoutChange::Cover> PatchMover::converted(const adapt::SceneView& scene,
+                                                              std::span<const double> local)
+{
+  static Event event("adapt_convert");
+  const Timed timed(event);
+  if (!watch_) {
+    watch_.emplace(bulk_watch(scene));
+    lattices_ = scene::body_lattices(options_);
+  }
+  return adapt::conversion(scene, *watch_, lattices_, local);
+}
+
+namespace {
+/// Both, each cell once: cells are told by their boxes, to the last bit.
+void join(std::vector<adapt::LayoutChange::Cover>& covers, const std::vector<adapt::LayoutChange::Cover>& more)
+{
+  for (const adapt::LayoutChange::Cover& cover : more)
+    if (std::ranges::none_of(covers, [&cover](const auto& known) {
+          return known.body == cover.body && known.box.lower == cover.box.lower && known.box.upper == cover.box.upper;
+        }))
+      covers.push_back(cover);
+}
+} // namespace
+
+adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const scene::PatchPlan& plan, std::int64_t broken,
+                                     std::span<const double> local)
+{
+  static Event event("adapt_look");
+  adapt::LayoutChange change;
+  const options::Triggers& triggers = options_.layout.triggers;
+  if ((triggers.damage || triggers.connection) && broke_more(scene.mesh.comm(), broken)) {
+    const Timed timed(event);
+    std::vector<adapt::Reaches> reach = reaches(scene, plan);
+    for (std::size_t p = 0; p < reach.size() && !triggers.damage; ++p) // bonds of bulk are as long as a horizon
+      reach[p] = {kConnected * plan.stencils[p].horizon, kDisconnected * plan.stencils[p].horizon};
+    change.cover = adapt::expansion(scene, reach, seen_.news(scene), options_.time.dynamic());
+  }
+  if (options_.layout.triggers.any()) join(change.cover, converted(scene, local));
+  if (!change.cover.empty()) ++expansions_;
+  return change;
+}
+
+adapt::LayoutChange PatchMover::contract(const adapt::SceneView& scene, const scene::PatchPlan& plan,
+                                         const adapt::MayHandBack& may)
+{
+  static Event event("adapt_contract");
+  const Timed timed(event);
+  expansions_ = 0;
+  std::vector<adapt::Retreat> all;
+  const std::vector<adapt::Reaches> ahead = reaches(scene, plan);
+  for (std::size_t p = 0; p < scene.around.size(); ++p)
+    all.push_back({ahead[p].critical,
+                   options::contraction_length(options_, plan.stencils[p].horizon, scene.around[p].shortest_edge()),
+                   options_.layout.tracker});
+  return adapt::contraction(scene, all, may);
+}
+} // namespace pdx::change

@@ -1,0 +1,250 @@
+#include "pdx/record/crack_results.hpp"
+
+#include "pdx/law/fracture.hpp"
+#include "pdx/post/domain_j.hpp"
+#include "pdx/post/nonlocal_j.hpp"
+#include "pdx/solve/static_driver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace pdx::record {
+namespace {
+std::optional<std::size_t> patch_at(const scene::PatchPlan& plan, const Vector<2>& x)
+{
+  for (std::size_t p = 0; p < plan.shapes.size(); ++p)
+    if (plan.shapes[p].holds(x, 1e-6 * plan.shapes[p].lattice.dx)) return p;
+  return std::nullopt;
+}
+
+/// A place J is asked for: a tip as it is now, or where the user says (then it belongs to none).
+struct Centre {
+  crack::Tip tip;
+  std::optional<std::size_t> number;
+};
+
+std::vector<Centre> centres(const Solved& s, const CrackState& state)
+{
+  std::vector<Centre> list;
+  for (std::size_t t = 0; t < state.ends.size(); ++t) {
+    list.push_back({state.ends[t].given, t});
+    list.back().tip.at = state.ends[t].at_farthest();
+    list.back().tip.direction = state.ends[t].direction;
+  }
+  const auto& wanted = s.options.post.j_centre;
+  if (!wanted) return list;
+  Centre centre;
+  const auto distance = [&](const Centre& c) { return (c.tip.at - *wanted).norm(); };
+  if (!list.empty()) centre.tip = std::ranges::min_element(list, {}, distance)->tip;
+  centre.tip.at = *wanted;
+  return {centre};
+}
+
+std::vector<post::ContourJ> contours_at(const Solved& s, const crack::Tip& tip, std::span<const double> density)
+{
+  const auto patch = patch_at(s.plan, tip.at);
+  if (!patch || !s.d.bonds) return {};
+  const pd::LatticePart<2>& part = *s.d.bonds->parts()[*patch];
+  std::vector<post::SquareContour> contours;
+  for (const double side : s.options.post.j_contours) contours.push_back({tip.at, side});
+  const post::PatchState state{
+      s.mesh.comm(),  part, s.options.bond_kinematics(), s.u, density, s.d.carried ? part.stencil().reach : 1,
+      s.options.frame};
+  return post::nonlocal_j(state, tip.direction, contours);
+}
+
+/// A tip that grew may leave no room for its contours: then there is no J of it.
+nlohmann::json contour_results(const Solved& s, const crack::Tip& tip, std::span<const double> density)
+{
+  nlohmann::json list = nlohmann::json::array();
+  try {
+    for (const post::ContourJ& contour : contours_at(s, tip, density)) list.push_back({contour.side, contour.j});
+  } catch (const UserError&) {
+    if (!s.d.fracture) throw;
+  }
+  return list;
+}
+
+/// Corner values of either side of a cut element.
+void parts_of(const Solved& s, const xfem::CutElement& cut, std::vector<post::PartOfCell>& parts)
+{
+  const field::RowHalo& halo = *s.d.system.halo;
+  const auto value = [&](PetscInt row) {
+    const auto at = 2 * static_cast<std::size_t>(halo.local(row));
+    return Vector<2>(s.u[at], s.u[at + 1]);
+  };
+  for (const xfem::Side side : xfem::kSides) {
+    post::PartOfCell part{cut.element.cell.points(side), fem::ElementVector::Zero()};
+    for (std::size_t a = 0; a < 4; ++a) {
+      Vector<2> corner = value(s.d.node_rows[static_cast<std::size_t>(s.mesh.cell(cut.cell)[a])]);
+      if (const double factor = xfem::set_factor(cut, a, side); factor != 0.0) corner += factor * value(cut.sets[a]);
+      part.corner_values.segment<2>(static_cast<Eigen::Index>(2 * a)) = corner;
+    }
+    parts.push_back(part);
+  }
+}
+
+double domain_result(const Solved& s, const crack::Tip& tip)
+{
+  const auto parts = [&](Index cell, std::vector<post::PartOfCell>& into) { parts_of(s, *s.d.sets->cut(cell), into); };
+  return post::domain_j({s.mesh, s.options.elastic, s.options.element_kinematics()}, tip,
+                        {(*s.options.post.j_domain)[0], (*s.options.post.j_domain)[1], s.options.frame},
+                        s.d.node_field->displacement(s.u), parts);
+}
+
+/// The shortest way along a direction from a site of a lattice to another, nearly: a tip that is moved by it stands to
+/// the bonds as it did before, and bonds end at sites only. [spacings]
+double period(const Vector<2>& direction)
+{
+  constexpr int longest = 16;
+  constexpr double beside = 0.06; // always found: n steps come as near as 1 / (n + 1)
+  double shortest = std::numeric_limits<double>::infinity();
+  for (int i = -longest; i <= longest; ++i)
+    for (int j = -longest; j <= longest; ++j) {
+      const Vector<2> way(i, j);
+      const double along = direction.dot(way), across = direction.x() * way.y() - direction.y() * way.x();
+      if (along > 0.5 && std::abs(across) <= beside) shortest = std::min(shortest, along);
+    }
+  return shortest;
+}
+
+/// What a tip is moved by, either way [m].
+double tip_step(const options::SceneOptions& options, const crack::Tip& tip, const geom::Lattice<2>* lattice,
+                double element)
+{
+  if (lattice) return period(tip.direction) * lattice->dx;
+  if (tip.direction.cwiseAbs().minCoeff() > 1e-6)
+    throw UserError(fmt::format("-post_energy_release: the tip at {} is slanted and ends in elements, where a crack "
+                                "closes at edges: put a patch there, or give -post_j_domain",
+                                options.frame.text(tip.at)));
+  return element;
+}
+
+/// Strain energy less work of the loads at full load.
+double potential(mesh::Mesh& mesh, const options::SceneOptions& options, const scene::PatchPlan& plan,
+                 std::span<const pd::Particle> particles, bool assembled)
+{
+  mesh.uncover();
+  scene::cover_cells(mesh, plan, options.mesh);
+  const auto d = scene::discretise(mesh, options, plan, {particles.begin(), particles.end()}, assembled);
+  solve::StaticOptions steps;
+  steps.load_steps = options.load.steps;
+  steps.assembled = assembled;
+  solve::StaticDriver driver(d->system, steps);
+  const VecHandle u = d->system.rows.vector();
+  driver.run(u.get(), [](const solve::Step&, Vec) { return solve::Verdict::go_on; });
+  std::vector<double> local;
+  d->system.halo->gather(u.get(), local);
+  double energy = 0.0;
+  for (const auto& term : d->system.terms) energy += term->energy(local);
+  for (std::size_t k = 0; k < d->system.load.size(); ++k) energy -= d->system.load[k] * local[k];
+  MPI_Allreduce(MPI_IN_PLACE, &energy, 1, MPI_DOUBLE, MPI_SUM, mesh.comm());
+  return energy;
+}
+} // namespace
+
+void require_contours(const Solved& s)
+{
+  if (s.options.post.j_contours.empty()) return;
+  const std::vector<double> nothing(static_cast<std::size_t>(s.d.system.rows.owned()), 0.0);
+  bool any = false;
+  for (const Centre& centre : centres(s, crack_state(s.d.cracks, s.d.body))) {
+    const auto patch = patch_at(s.plan, centre.tip.at);
+    if (!patch) continue;
+    any = true;
+    (void)contours_at(s, centre.tip, nothing);
+    const auto& stencil = s.plan.stencils[*patch];
+    const double reach = stencil.reach * stencil.dx;
+    for (const double side : s.options.post.j_contours)
+      for (const crack::Tip& tip : s.d.cracks.tips()) {
+        const Vector<2> off = (tip.at - centre.tip.at).cwiseAbs();
+        const double gap = 0.5 * side - off.maxCoeff();
+        if (std::abs(gap) <= reach && off.minCoeff() <= 0.5 * side + reach)
+          throw UserError(
+              fmt::format("-post_j_contours has {:g}: the contour comes within a bond, {:g} m, of the tip at "
+                          "{}; choose a side above {:g}",
+                          side, reach, s.options.frame.text(tip.at), 2.0 * (off.maxCoeff() + reach)));
+      }
+  }
+  if (!any)
+    throw UserError("-post_j_contours lie in a patch, but no crack's tip (and no -post_j_centre) does: give "
+                    "-post_j_domain for elements");
+}
+
+std::vector<double> energy_release(mesh::Mesh& mesh, const options::SceneOptions& options, const scene::PatchPlan& plan,
+                                   std::span<const pd::Particle> particles, bool assembled)
+{
+  if (options.fracture.active())
+    throw UserError(
+        "-post_energy_release moves the given tips, but with a toughness they move by themselves: drop one");
+  const crack::CrackSet cracks(options.cracks.lines, options.mesh.file.empty() ? plan.body : mesh.bounds());
+  const double element = std::sqrt(mesh.bounds().size().prod() / mesh.global_cells());
+  std::vector<double> rates;
+  for (const crack::Tip& tip : cracks.tips()) {
+    const auto patch = patch_at(plan, tip.at);
+    const double step = tip_step(options, tip, patch ? &plan.shapes[*patch].lattice : nullptr, element);
+    if (patch_at(plan, tip.at - step * tip.direction) != patch ||
+        patch_at(plan, tip.at + step * tip.direction) != patch)
+      throw UserError(fmt::format("-post_energy_release moves the tip at {} by {:g} m to either side, across "
+                                  "the border of a patch: move the patch or leave it out",
+                                  options.frame.text(tip.at), step));
+    double change = 0.0;
+    for (const double sign : {1.0, -1.0}) {
+      options::SceneOptions moved = options;
+      crack::Polyline& line = moved.cracks.lines[static_cast<std::size_t>(tip.crack)];
+      (tip.last ? line.back() : line.front()) += sign * step * tip.direction;
+      change += sign * potential(mesh, moved, plan, particles, assembled);
+    }
+    rates.push_back(-change / (2.0 * step * options.elastic.thickness));
+  }
+  mesh.uncover();
+  return rates;
+}
+
+void add_crack_results(const Solved& s, const CrackState& state, std::span<const double> release,
+                       nlohmann::json& results)
+{
+  nlohmann::json tips = nlohmann::json::array();
+  const auto place = [&s](const Vector<2>& x) {
+    const Vector<2> given = s.options.frame.given<2>(x);
+    return nlohmann::json{given[0], given[1]};
+  };
+  for (std::size_t t = 0; t < state.ends.size(); ++t) {
+    const CrackEnd& end = state.ends[t];
+    results["crack_tips"].push_back(place(end.tip()));
+    nlohmann::json tip{{"start", place(end.given.at)},
+                       {"at", place(end.tip())},
+                       {"grown", end.grown},
+                       {"farthest_broken", end.farthest_broken}};
+    if (std::isfinite(end.first_intact)) tip["first_intact"] = end.first_intact;
+    if (end.grown > 0.0) tip["angle_degrees"] = end.angle_degrees();
+    if (t < release.size()) tip["energy_release_rate"] = release[t];
+    tips.push_back(tip);
+  }
+  if (!s.d.cracks.empty()) results["crack_length"] = state.length;
+  if (!release.empty()) results["energy_release_rate"] = release.front();
+
+  std::vector<double> density;
+  if (s.d.bonds && !s.options.post.j_contours.empty()) density = s.d.energy_density(s.u);
+  for (const Centre& centre : centres(s, state)) {
+    nlohmann::json contours = density.empty() ? nlohmann::json() : contour_results(s, centre.tip, density);
+    if (!contours.empty() && !results.contains("j_integral")) { // of the first tip in a patch
+      const double middle = contours[contours.size() / 2][1];
+      results["j_by_contour"] = contours;
+      results["j_integral"] = middle;
+      results["stress_intensity"] = law::stress_intensity(middle, s.options.elastic);
+    }
+    if (!contours.empty() && centre.number) tips[*centre.number]["j_by_contour"] = contours;
+    if (!s.options.post.j_domain) continue;
+    const double j = domain_result(s, centre.tip);
+    if (centre.number) tips[*centre.number]["j_domain"] = j;
+    if (results.contains("j_domain")) continue;
+    results["j_domain"] = j;
+    if (!results.contains("j_integral")) results["stress_intensity"] = law::stress_intensity(j, s.options.elastic);
+  }
+  if (!tips.empty()) results["tips"] = tips;
+}
+} // namespace pdx::record

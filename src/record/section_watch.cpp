@@ -1,0 +1,140 @@
+#include "pdx/record/section_watch.hpp"
+
+#include "pdx/base/gather.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <tuple>
+
+namespace pdx::record {
+namespace sections {
+/// A column of particles across the axis, as one rank or all see it.
+struct Column {
+  Index body;
+  std::int64_t lattice, number;             ///< of the body's lattice, along the axis
+  std::int64_t particles, touched, damaged; ///< touched: lost a bond; damaged: lies beside a crack
+  double place;                             ///< of the particles along the axis [m]
+  double spacing;
+
+  bool operator<(const Column& other) const
+  {
+    return std::tie(body, lattice, number) < std::tie(other.body, other.lattice, other.number);
+  }
+  bool same_body(const Column& other) const { return body == other.body && lattice == other.lattice; }
+};
+
+void sum_alike(std::vector<Column>& columns)
+{
+  std::ranges::sort(columns, [](const Column& a, const Column& b) { return a < b; });
+  std::vector<Column> sums;
+  for (const Column& column : columns)
+    if (!sums.empty() && sums.back().same_body(column) && sums.back().number == column.number) {
+      sums.back().particles += column.particles;
+      sums.back().touched += column.touched;
+      sums.back().damaged += column.damaged;
+    } else
+      sums.push_back(column);
+  columns = std::move(sums);
+}
+
+std::vector<Column> columns_here(const RunFiles& files, std::size_t axis)
+{
+  const scene::Discretisation& d = *files.scene.d;
+  const couple::ParticleDamage all = couple::particle_damage(d.system.rows, *d.bonds, d.carried);
+  std::vector<Column> columns;
+  for (std::size_t k = 0; k < d.particles.size(); ++k) {
+    const pd::Particle& particle = d.particles[k];
+    const couple::PatchShape& shape = files.scene.plan->shapes[static_cast<std::size_t>(particle.patch)];
+    const std::int64_t number = shape.names.first[axis] + shape.active.site(particle.site)[axis];
+    const bool damaged = all.damage[k] + all.precrack[k] >= files.options.post.tip_damage;
+    columns.push_back({files.scene.mesh->body(particle.cell), shape.names.lattice, number, 1, all.damage[k] > 1e-9,
+                       damaged, particle.x[static_cast<Eigen::Index>(axis)], shape.lattice.dx});
+  }
+  sum_alike(columns);
+  return columns;
+}
+} // namespace sections
+
+void SectionWatch::look(double time, std::int64_t bonds_broken)
+{
+  using sections::Column;
+  if (time_ >= 0.0 || bonds_broken == broken_ || !files_.scene.d || !files_.scene.d->bonds) return;
+  broken_ = bonds_broken;
+  std::vector<Column> columns =
+      gather_all(files_.comm(), sections::columns_here(files_, static_cast<std::size_t>(files_.options.post.section)));
+  sections::sum_alike(columns);
+  for (const Column& column : columns)
+    if (column.touched) begun_.try_emplace({column.body, column.lattice, column.number}, time);
+  std::map<std::pair<Index, std::int64_t>, std::int64_t> through; // particles that reach through a body, by its lattice
+  for (const Column& column : columns) {
+    std::int64_t& most = through[{column.body, column.lattice}];
+    most = std::max(most, column.particles);
+  }
+  const auto parted = [&through](const Column& column) {
+    return column.damaged == through.at({column.body, column.lattice});
+  };
+  const auto begun = [this](const Column& column) { return begun_.at({column.body, column.lattice, column.number}); };
+  std::vector<const Column*> found; // of sections that broke at one look, those that began first
+  for (std::size_t k = 0; k + 1 < columns.size(); ++k) {
+    const Column &column = columns[k], &next = columns[k + 1];
+    if (!next.same_body(column) || next.number != column.number + 1 || !parted(column) || !parted(next)) continue;
+    const double start = std::max(begun(column), begun(next));
+    if (found.empty() || start < time_) {
+      found = {&column};
+      time_ = start;
+    } else if (start == time_ && found[0]->same_body(column))
+      found.push_back(&column);
+  }
+  if (found.empty()) return;
+  place_ = 0.0;
+  for (const Column* column : found)
+    place_ += (column->place + 0.5 * column->spacing) / static_cast<double>(found.size());
+  body_ = found[0]->body;
+  through_ = time;
+}
+
+void SectionWatch::write_results(nlohmann::ordered_json& results) const
+{
+  if (time_ < 0.0) return;
+  results["spall_time"] = time_;
+  results["spall_through_time"] = through_;
+  const auto axis = static_cast<Eigen::Index>(files_.options.post.section);
+  Vector<2> place = Vector<2>::Zero();
+  place[axis] = place_;
+  results["spall_position"] = std::stod(fmt::format("{:.10g}", files_.options.frame.given<2>(place)[axis]));
+  const auto& bodies = files_.options.points.bodies;
+  if (static_cast<std::size_t>(body_) < bodies.size())
+    results["spall_body"] = bodies[static_cast<std::size_t>(body_)].name;
+}
+
+void SectionWatch::add_notes(std::map<std::string, double>& notes) const
+{
+  for (const auto& [column, time] : begun_)
+    notes[fmt::format("section_begun {} {} {}", column[0], column[1], column[2])] = time;
+  notes["section_time"] = time_;
+  notes["section_through"] = through_;
+  notes["section_place"] = place_;
+  notes["section_body"] = body_;
+}
+
+void SectionWatch::take_notes(const std::map<std::string, double>& notes)
+{
+  const auto note = [&notes](const char* name, double none) {
+    const auto found = notes.find(name);
+    return found == notes.end() ? none : found->second;
+  };
+  begun_.clear();
+  for (const auto& [name, time] : notes) {
+    std::istringstream words(name);
+    std::string what;
+    std::array<std::int64_t, 3> column{};
+    if (words >> what >> column[0] >> column[1] >> column[2] && what == "section_begun") begun_[column] = time;
+  }
+  time_ = note("section_time", -1.0);
+  through_ = note("section_through", -1.0);
+  place_ = note("section_place", 0.0);
+  body_ = static_cast<Index>(note("section_body", 0.0));
+}
+} // namespace pdx::record

@@ -1,0 +1,115 @@
+#include "grid_body.hpp"
+#include "pdx/base/gather.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace pdx::scene {
+namespace {
+constexpr double kNearSide = 1e-6; // of a cell
+
+template <int Dim> bool acts_on(const options::BoundaryCondition& c, const mpm::Body<Dim>& of)
+{
+  return c.of.empty() || of.name == c.of;
+}
+
+/// Nodes that a condition holds: by box, by the sides of bodies, or all where neither is said.
+template <int Dim>
+std::vector<geom::Box<Dim>> held_places(const options::BoundaryCondition& c, const GridBody<Dim>& body)
+{
+  static constexpr const char* sides[] = {"left", "right", "bottom", "top", "back", "front"};
+  constexpr double far = 1e30;
+  const double h = body.motion->rule().side;
+  geom::Box<Dim> whole{Vector<Dim>::Constant(-far), Vector<Dim>::Constant(far)};
+  if (c.box) {
+    whole.lower.template head<2>() = c.box->lower;
+    whole.upper.template head<2>() = c.box->upper;
+  }
+  if (c.on.empty()) return {whole};
+  std::vector<geom::Box<Dim>> places;
+  for (std::size_t k = 0; k < 2 * Dim; ++k) {
+    if (c.on != sides[k]) continue;
+    const auto axis = static_cast<Eigen::Index>(k / 2);
+    for (const mpm::Body<Dim>& of : body.plan.bodies) {
+      if (!acts_on(c, of)) continue;
+      const geom::Box<Dim> around = of.around();
+      const double at = (k % 2 ? around.upper : around.lower)[axis], cells = (at - body.origin[axis]) / h;
+      if (std::abs(cells - std::round(cells)) > kNearSide)
+        throw UserError(
+            fmt::format("-bc_{}_on is {}: that side of {} lies within a cell of the grid, {:g} m wide: make "
+                        "its length a whole number of cells, or choose nodes by -bc_{}_box",
+                        c.name, c.on, of.name, h, c.name));
+      places.push_back(whole);
+      places.back().lower[axis] = places.back().upper[axis] = at;
+    }
+  }
+  if (places.empty())
+    throw UserError(fmt::format("-bc_{}_on is {}: a body of points has left, right, bottom, top{}", c.name, c.on,
+                                Dim == 3 ? ", back (low z) and front" : ""));
+  return places;
+}
+
+template <int Dim> void hold(const options::BoundaryCondition& c, GridBody<Dim>& body)
+{
+  const field::History history = c.history.value_or(field::History());
+  for (int d = 0; d < Dim; ++d) {
+    const auto axis = static_cast<std::size_t>(d);
+    if (!c.displacement[axis] && !c.velocity[axis]) continue;
+    const bool moves = c.velocity[axis].has_value();
+    const double value = moves ? *c.velocity[axis] : *c.displacement[axis];
+    if (!moves && value != 0.0 && history.value(0.0) != 0.0)
+      throw UserError(fmt::format("-bc_{0}_displacement is {1:g} at once: nodes of a grid that is made anew only have "
+                                  "velocities; give -bc_{0}_velocity, or a history that begins at 0",
+                                  c.name, value));
+    for (const geom::Box<Dim>& box : held_places(c, body)) {
+      body.motion->hold(
+          {box, d, [=](double time) { return value * (moves ? history.value(time) : history.rate(time)); }});
+      body.holds.push_back(fmt::format("reaction_{}_{}", c.name, kAxes[d]));
+    }
+  }
+}
+
+template <int Dim> void push(const options::BoundaryCondition& c, GridBody<Dim>& body)
+{
+  for (std::size_t b = 0; b < body.materials.size(); ++b)
+    if (acts_on(c, body.plan.bodies[b]))
+      body.pushes.push_back(
+          {b, mpm::point_volume<Dim>(body.materials[b]) * *c.body, c.history.value_or(field::History())});
+}
+} // namespace
+
+template <int Dim> void apply_conditions(const options::SceneOptions& options, GridBody<Dim>& body)
+{
+  for (const options::BoundaryCondition& c : options.conditions) {
+    if (c.holds()) hold(c, body);
+    if (c.body) push(c, body);
+  }
+}
+
+template <int Dim> void throw_points(const options::SceneOptions& options, GridBody<Dim>& body)
+{
+  std::vector<double>& v = body.system.initial_velocity;
+  for (const options::BoundaryCondition& c : options.conditions) {
+    if (!c.initial_velocity) continue;
+    bool any = false;
+    for (std::size_t row = 0; row < body.grid.place.size(); ++row) {
+      const mpm::Body<Dim>& of = body.plan.bodies[static_cast<std::size_t>(body.grid.body[row])];
+      const Vector<Dim>& x = body.grid.place[row];
+      if (!acts_on(c, of) || (c.box && !c.box->contains(x.template head<2>(), kNearSide * of.material.spacing)))
+        continue;
+      any = true;
+      for (std::size_t d = 0; d < Dim; ++d) v[Dim * row + d] = (*c.initial_velocity)[static_cast<Eigen::Index>(d)];
+    }
+    if (!any_rank(body.system.rows.comm, any))
+      throw UserError(fmt::format("-bc_{}_box: no point lies there for the initial velocity to act on", c.name));
+  }
+}
+
+#define PDX_INSTANTIATE(Dim)                                                                                           \
+  template void apply_conditions<Dim>(const options::SceneOptions&, GridBody<Dim>&);                                   \
+  template void throw_points<Dim>(const options::SceneOptions&, GridBody<Dim>&)
+PDX_INSTANTIATE(2);
+PDX_INSTANTIATE(3);
+#undef PDX_INSTANTIATE
+} // namespace pdx::scene

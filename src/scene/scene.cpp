@@ -1,0 +1,235 @@
+#include "pdx/scene/scene.hpp"
+
+#include "pdx/base/stop_signals.hpp"
+#include "pdx/mesh/gmsh.hpp"
+#include "pdx/scene/mixed_points.hpp"
+#include "pdx/scene/particle_warnings.hpp"
+#include "pdx/scene/point_body.hpp"
+#include "pdx/scene/solid.hpp"
+#include "pdx/solve/stable_step.hpp"
+
+namespace pdx::scene {
+namespace {
+template <int Dim> StepLimits limits_of(std::span<const pd::Stencil<Dim>> stencils, const field::System& system)
+{
+  StepLimits limits{solve::stable_step(system).limit, 0.0};
+  for (const auto& stencil : stencils) {
+    const double papers = pd::papers_step(stencil);
+    limits.papers = limits.papers > 0.0 ? std::min(limits.papers, papers) : papers;
+  }
+  return limits;
+}
+
+mesh::Mesh cut_mesh(MPI_Comm comm, const mesh::MeshOptions& options, const mesh::CellCost& cost,
+                    const mesh::MeasuredCosts* costs)
+{
+  return costs ? mesh::build_by_costs(comm, options, *costs) : mesh::build(comm, options, cost);
+}
+
+/// Refuses what cannot be before a mesh is paid for.
+PatchPlan judged_plan(const options::SceneOptions& options, mesh::MeshOptions& mesh)
+{
+  PatchPlan plan = plan_patches(options, mesh);
+  if (options.pd.everywhere) require_rows(options, plan.shapes[0].lattice.count);
+  return plan;
+}
+} // namespace
+
+Ground::Ground(MPI_Comm comm, options::SceneOptions given, const mesh::MeasuredCosts* costs,
+               std::shared_ptr<const PointPlan<2>> bodies)
+    : options(std::move(given)), mesh_options(options.mesh), plan(judged_plan(options, mesh_options)),
+      mesh(cut_mesh(comm, mesh_options, cell_cost(plan), costs)), points(std::move(bodies))
+{
+  if (points) deal_cells(*points, mesh);
+  stop_if_told(comm);
+}
+
+void Ground::lay_particles()
+{
+  if (!options.pd.any()) return;
+  cover_cells(mesh, plan, mesh_options, options.frame);
+  particles = make_particles(mesh, plan);
+  stop_if_told(mesh.comm());
+}
+
+void Ground::lay_again(options::SceneOptions given)
+{
+  options = std::move(given);
+  mesh_options = options.mesh;
+  plan = judged_plan(options, mesh_options);
+  mesh.uncover();
+  lay_particles();
+}
+
+std::vector<std::string> Ground::warnings() const
+{
+  std::vector<std::string> all{correction_warning(options, plan)};
+  if (options.pd.everywhere) all.push_back(thin_warning(options, plan));
+  if (options.pd.any() && !options.layout.patches_move())
+    all.push_back(corner_warning(plan, mesh.bounds(), options.frame));
+  return all;
+}
+
+namespace {
+class PlaneScene final : public Scene {
+public:
+  PlaneScene(MPI_Comm comm, options::SceneOptions options, const mesh::MeasuredCosts* costs,
+             std::shared_ptr<const PointPlan<2>> points = nullptr)
+      : ground_(comm, std::move(options), costs, std::move(points))
+  {
+    ground_.lay_particles();
+    build();
+  }
+  Standing standing() override { return {&ground_.mesh, &ground_.plan, d_.get()}; }
+  field::System& system() override { return d_->system; }
+  StepLimits limits() override { return limits_of<2>(ground_.plan.stencils, d_->system); }
+  std::vector<std::string> warnings() override { return ground_.warnings(); }
+  adapt::SceneView view() const override { return d_->view(ground_.mesh); }
+  void change(const Layout& layout) override
+  {
+    d_.reset();
+    ground_.lay_again(layout.in(ground_.options));
+    build();
+  }
+
+private:
+  void build()
+  {
+    const bool assembled = ground_.options.time.analysis == options::Analysis::implicit_dynamics;
+    d_ = discretise(ground_.mesh, ground_.options, ground_.plan, std::move(ground_.particles), assembled,
+                    ground_.points.get());
+    stop_if_told(ground_.mesh.comm());
+  }
+
+  Ground ground_;
+  std::unique_ptr<Discretisation> d_;
+};
+
+class SolidScene final : public Scene {
+public:
+  SolidScene(MPI_Comm comm, options::SceneOptions given, const mesh::MeasuredCosts* costs)
+      : options_(std::move(given)), mesh_options_(options_.mesh), plan_(judged(options_, mesh_options_)),
+        mesh_(cut_mesh(comm, mesh_options_, cell_cost(plan_), costs)), swarm_(comm)
+  {
+    stop_if_told(comm);
+    solid_ = discretise(comm, options_, plan_, make_particles(mesh_, plan_, swarm_));
+    stop_if_told(comm);
+  }
+  Standing standing() override { return {&mesh_, solid_.get()}; }
+  field::System& system() override { return solid_->system; }
+  StepLimits limits() override { return limits_of<3>({&plan_.stencil, 1}, solid_->system); }
+  std::vector<std::string> warnings() override { return {thin_warning(options_, plan_.lattice.count)}; }
+
+private:
+  static SolidPlan judged(const options::SceneOptions& options, mesh::MeshOptions& mesh)
+  {
+    SolidPlan plan = plan_solid(options, mesh);
+    require_rows(options, plan.lattice.count);
+    return plan;
+  }
+  options::SceneOptions options_;
+  mesh::MeshOptions mesh_options_;
+  SolidPlan plan_;
+  mesh::Mesh mesh_;
+  pd::Particles swarm_;
+  std::unique_ptr<Solid> solid_;
+};
+
+template <int Dim> class CloudScene final : public Scene {
+public:
+  CloudScene(MPI_Comm comm, options::SceneOptions given, const CloudPlan<Dim>& plan, const mesh::MeasuredCosts* costs)
+      : options_(std::move(given)), mesh_(cut_mesh(comm, plan.mesh, cell_cost(plan), costs)), swarm_(comm)
+  {
+    stop_if_told(comm);
+    body_ = discretise(comm, options_, plan, make_particles(mesh_, plan, swarm_));
+    stop_if_told(comm);
+  }
+  Standing standing() override { return {&mesh_, body_.get()}; }
+  field::System& system() override { return body_->system; }
+  StepLimits limits() override { return limits_of<Dim>({}, body_->system); }
+  std::vector<std::string> warnings() override { return cloud_warnings(options_, *body_); }
+
+private:
+  options::SceneOptions options_;
+  mesh::Mesh mesh_;
+  pd::Particles swarm_;
+  std::unique_ptr<CloudBody<Dim>> body_;
+};
+
+template <int Dim> class PointScene final : public Scene {
+public:
+  PointScene(MPI_Comm comm, options::SceneOptions given, const PointPlan<Dim>& plan, const mesh::MeasuredCosts* costs)
+      : options_(std::move(given)), mesh_(cut_mesh(comm, plan.mesh, {}, costs)),
+        body_(discretise<Dim>(options_, plan, mesh_))
+  {
+    stop_if_told(comm);
+  }
+  Standing standing() override { return {&mesh_, body_.get()}; }
+  field::System& system() override { return body_->system; }
+  StepLimits limits() override { return limits_of<Dim>({}, body_->system); }
+
+private:
+  options::SceneOptions options_;
+  mesh::Mesh mesh_;
+  std::unique_ptr<PointBody<Dim>> body_;
+};
+
+template <int Dim> SceneMaker point_maker(MPI_Comm comm, options::SceneOptions& options)
+{
+  auto plan = std::make_shared<PointPlan<Dim>>(plan_points<Dim>(options, std::numeric_limits<double>::infinity()));
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  if (rank) *plan->mesh.list = {}; // a mesh begins on one rank
+  return [comm, &options, plan](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
+    return std::make_unique<PointScene<Dim>>(comm, layout.in(options), *plan, costs);
+  };
+}
+
+/// The whole cloud is kept only where it is asked for again.
+template <int Dim> SceneMaker cloud_maker(MPI_Comm comm, options::SceneOptions& options)
+{
+  auto plan = std::make_shared<CloudPlan<Dim>>(plan_cloud<Dim>(options));
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  const bool may_change = options.layout.may_change(ranks);
+  return [comm, &options, plan, may_change](const Layout& layout,
+                                            const mesh::MeasuredCosts* costs) mutable -> std::unique_ptr<Scene> {
+    auto scene = std::make_unique<CloudScene<Dim>>(comm, layout.in(options), *plan, costs);
+    if (!may_change) plan.reset();
+    return scene;
+  };
+}
+} // namespace
+
+SceneMaker plane_scene(MPI_Comm comm, const options::SceneOptions& options)
+{
+  return [comm, &options](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
+    return std::make_unique<PlaneScene>(comm, layout.in(options), costs);
+  };
+}
+
+SceneMaker solid_scene(MPI_Comm comm, const options::SceneOptions& options)
+{
+  return [comm, &options](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
+    return std::make_unique<SolidScene>(comm, layout.in(options), costs);
+  };
+}
+
+SceneMaker cloud_scene(MPI_Comm comm, options::SceneOptions& options)
+{
+  return options.solid ? cloud_maker<3>(comm, options) : cloud_maker<2>(comm, options);
+}
+
+SceneMaker mixed_scene(MPI_Comm comm, options::SceneOptions& options)
+{
+  return [comm, &options, plan = settle_mixed(comm, options)](
+             const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
+    return std::make_unique<PlaneScene>(comm, layout.in(options), costs, plan);
+  };
+}
+
+SceneMaker point_scene(MPI_Comm comm, options::SceneOptions& options)
+{
+  return options.solid ? point_maker<3>(comm, options) : point_maker<2>(comm, options);
+}
+} // namespace pdx::scene

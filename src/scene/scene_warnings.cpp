@@ -1,0 +1,170 @@
+#include "pdx/scene/scene_warnings.hpp"
+
+#include "pdx/scene/cloud_body.hpp"
+#include "pdx/scene/solid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace pdx::scene {
+namespace {
+constexpr double kOnRow = 1e-6; // of a spacing
+
+bool pushes(const std::optional<Vector<3>>& load) { return load && !load->isZero(0.0); }
+
+bool moves(const std::array<std::optional<double>, 3>& components)
+{
+  return std::ranges::any_of(components, [](const auto& c) { return c && *c != 0.0; });
+}
+
+bool loads(const options::BoundaryCondition& c)
+{
+  return pushes(c.traction) || pushes(c.body) || pushes(c.force) || pushes(c.initial_velocity) ||
+         moves(c.displacement) || moves(c.velocity);
+}
+
+std::string time_warning(const options::SceneOptions& options)
+{
+  if (options.time.dynamic()) return {};
+  for (const char* name : {"-ts_max_time", "-ts_max_steps", "-ts_dt", "-ts_safety", "-ts_allow_unstable"})
+    if (Options("ts").given(name))
+      return fmt::format("{} acts in time and changes nothing in statics: give -analysis explicit or implicit, or drop "
+                         "it",
+                         name);
+  return {};
+}
+
+std::string load_warning(const options::SceneOptions& options)
+{
+  const bool flies = std::ranges::any_of(options.points.bodies, [](const options::PointBodyOptions& body) {
+    return !body.velocity.isZero(0.0) || !body.spin.isZero(0.0);
+  });
+  if (flies || std::ranges::any_of(options.conditions, loads)) return {};
+  return "nothing loads or moves the body, so it stays as it is: give a -bc_NAME_traction, _body, _force, or a "
+         "_displacement that is not 0 (in time also _velocity or _initial_velocity)";
+}
+
+/// What moves a body: a component that is not given is free, which is easily forgotten in space.
+std::string third_warning(const options::BoundaryCondition& c)
+{
+  const std::string name = fmt::format("-bc_{}_velocity", c.name);
+  if (Options("bc").texts(name, {}, "").size() != 2) return {};
+  return fmt::format("{} has two components in space: along z it is free; write a third, {},free or another", name,
+                     Options("bc").text(name, "", ""));
+}
+
+/// Is there a site of the patch in row `row` across `axis` between two places along the other axis?
+bool has_sites(const couple::PatchShape& shape, std::size_t axis, Index row, double from, double to)
+{
+  Site<2> site{};
+  site[axis] = row;
+  const auto along = static_cast<Eigen::Index>(1 - axis);
+  for (site[1 - axis] = 0; site[1 - axis] < shape.lattice.count[1 - axis]; ++site[1 - axis]) {
+    const double x = shape.lattice.point(site)[along];
+    if (x > from && x < to && shape.active.has(site)) return true;
+  }
+  return false;
+}
+
+bool runs_along_row(const couple::PatchShape& shape, const Vector<2>& a, const Vector<2>& b)
+{
+  const double near = kOnRow * shape.lattice.dx;
+  for (const std::size_t axis : {std::size_t{0}, std::size_t{1}}) {
+    const auto d = static_cast<Eigen::Index>(axis);
+    if (std::abs(a[d] - b[d]) > near) continue;
+    const double row = (a[d] - shape.lattice.origin[d]) / shape.lattice.dx - 0.5;
+    if (std::abs(row - std::round(row)) > kOnRow) continue;
+    const auto [from, to] = std::minmax(a[1 - d], b[1 - d]);
+    if (has_sites(shape, axis, static_cast<Index>(std::lround(row)), from, to)) return true;
+  }
+  return false;
+}
+
+template <int Dim> std::string family(const pd::Stencil<Dim>& stencil)
+{
+  return fmt::format("{} bonds within {:.6g} m ({:.4g} spacings of {:.6g} m)", 2 * stencil.half.size(), stencil.horizon,
+                     stencil.horizon / stencil.dx, stencil.dx);
+}
+
+/// Entries of the neighbour lists of a cloud, this rank: each bond stands in two.
+std::int64_t entries(const CloudModel& cloud)
+{
+  if (const auto* plane = dynamic_cast<const CloudBody<2>*>(&cloud)) return plane->bonds->part().bonds();
+  const auto* space = dynamic_cast<const CloudBody<3>*>(&cloud);
+  return space ? space->bonds->part().bonds() : 0;
+}
+
+const char* unbroken(const options::SceneOptions& options)
+{
+  return options.fracture.active() ? "" : "; none breaks (no -material_toughness)";
+}
+
+std::int64_t sum(MPI_Comm comm, std::int64_t mine)
+{
+  MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_INT64_T, MPI_SUM, comm);
+  return mine;
+}
+} // namespace
+
+std::vector<std::string> option_warnings(const options::SceneOptions& options)
+{
+  std::vector<std::string> lines{time_warning(options), load_warning(options)};
+  if (options.solid)
+    for (const options::BoundaryCondition& c : options.conditions) lines.push_back(third_warning(c));
+  std::erase(lines, "");
+  return lines;
+}
+
+std::string row_warning(const options::SceneOptions& options, const PatchPlan& plan)
+{
+  for (std::size_t crack = 0; crack < options.cracks.lines.size(); ++crack) {
+    const crack::Polyline& line = options.cracks.lines[crack];
+    for (std::size_t k = 0; k + 1 < line.size(); ++k)
+      for (const couple::PatchShape& shape : plan.shapes)
+        if (runs_along_row(shape, line[k], line[k + 1]))
+          return fmt::format("crack {} runs along a row of particles from {} to {}, which count as left of it: the "
+                             "crack is half a spacing off its line; move it or the patch by half a spacing ({:.6g} m)",
+                             crack + 1, options.frame.text(line[k]), options.frame.text(line[k + 1]),
+                             0.5 * shape.lattice.dx);
+  }
+  return {};
+}
+
+std::string size_warning(const options::SceneOptions& options, double largest, const geom::Box<2>& body)
+{
+  const double size = body.size().maxCoeff();
+  if (options.kinematics != options::Kinematics::small || !(largest > size)) return {};
+  return fmt::format(
+      "the largest displacement is {:.3g} m and the body {:.3g} m: small strains mean nothing there; look "
+      "at units of loads and -material_young, or give -kinematics finite",
+      largest, size);
+}
+
+std::string bonds_line(MPI_Comm comm, const options::SceneOptions& options, const Standing& scene)
+{
+  std::vector<std::string> families;
+  std::int64_t bonds = 0, carried = 0;
+  if (scene.d && scene.d->bonds) {
+    bonds = sum(comm, scene.d->bonds->bonds());
+    carried = sum(comm, scene.d->carried ? scene.d->carried->bonds() : 0);
+    for (const auto& part : scene.d->bonds->parts()) families.push_back(family(part->stencil()));
+  } else if (scene.solid) {
+    bonds = sum(comm, scene.solid->bonds->bonds());
+    for (const auto& part : scene.solid->bonds->parts()) families.push_back(family(part->stencil()));
+  } else if (scene.cloud) {
+    const std::int64_t all = sum(comm, entries(*scene.cloud));
+    const std::int64_t particles = sum(comm, static_cast<std::int64_t>(scene.cloud->particles.size()));
+    return fmt::format("bonds: {} between particles within {:.6g} m, {:.1f} for each in the mean{}", all / 2,
+                       options.pd.horizon, static_cast<double>(all) / static_cast<double>(particles),
+                       unbroken(options));
+  } else
+    return {};
+  std::ranges::sort(families);
+  families.erase(std::unique(families.begin(), families.end()), families.end());
+  return fmt::format("bonds: {} between particles{}; a full family has {}{}", bonds,
+                     carried > 0 ? fmt::format(", {} to elements", carried) : "", fmt::join(families, " or "),
+                     unbroken(options));
+}
+} // namespace pdx::scene

@@ -1,0 +1,122 @@
+#include "pdx/scene/solid.hpp"
+
+#include "pdx/mesh/sites.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace pdx::scene {
+SolidPlan plan_solid(const options::SceneOptions& options, mesh::MeshOptions& mesh)
+{
+  const geom::Box<2>& body = mesh.box;
+  const double depth = options.elastic.thickness;
+  SolidPlan plan;
+  plan.lattice = lattice_in<3>({{body.lower[0], body.lower[1], 0.0}, {body.upper[0], body.upper[1], depth}},
+                               options.pd.spacing[0]);
+  const double dx = plan.lattice.dx;
+  plan.columns.body = body;
+  plan.columns.shapes.push_back(
+      couple::PatchShape::of_box(body, {body.lower, dx, {plan.lattice.count[0], plan.lattice.count[1]}}));
+  try {
+    plan.stencil = pd::make_stencil<3>(
+        {dx, depth, options.pd.horizon_ratio * dx, options.pd.micromodulus, options.pd.calibration, options.elastic});
+    pd::require_bond_words(plan.stencil);
+  } catch (const UserError& wrong) {
+    throw UserError(fmt::format("-pd_horizon_ratio is {}: {}", options.pd.horizon_ratio, wrong.what()));
+  }
+  if (mesh.cells[0] == 0) mesh.cells = background_cells(plan.columns.shapes[0].lattice);
+  return plan;
+}
+
+mesh::CellCost cell_cost(const SolidPlan& plan)
+{
+  return [dx = plan.lattice.dx, layers = plan.lattice.count[2]](const std::array<Vector<2>, 4>& corners) {
+    const Vector<2> a = corners[2] - corners[0], b = corners[3] - corners[1];
+    const double columns = 0.5 * std::abs(a[0] * b[1] - a[1] * b[0]) / (dx * dx);
+    return std::max(1, static_cast<int>(std::round(columns * layers)));
+  };
+}
+
+std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const SolidPlan& plan, pd::Particles& swarm)
+{
+  std::vector<pd::Particle> mine;
+  const auto& columns = plan.columns.shapes[0].lattice;
+  for (Index c = 0; c < mesh.owned_cells(); ++c)
+    mesh::for_each_site(mesh, c, columns, 0, [&](const Site<2>& column, const Vector<2>& x) {
+      for (Index layer = 0; layer < plan.lattice.count[2]; ++layer)
+        mine.push_back({0, static_cast<Index>(plan.lattice.number({column[0], column[1], layer})), c, x});
+    });
+  auto total = static_cast<std::int64_t>(mine.size());
+  MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, mesh.comm());
+  if (const std::int64_t wanted = plan.lattice.total(); total != wanted)
+    throw std::logic_error(fmt::format("{} particles found a cell, {} should have", total, wanted));
+  swarm.add(mine);
+  return swarm.sorted();
+}
+
+namespace {
+void number_rows(MPI_Comm comm, const geom::Lattice<3>& lattice, Solid& solid)
+{
+  solid.system.rows = field::Rows::number(comm, 3, 0, 0, static_cast<Index>(solid.particles.size()));
+  for (const pd::Particle& particle : solid.particles) {
+    const Vector<3> x = lattice.point(lattice.site(particle.site));
+    solid.system.coordinates.insert(solid.system.coordinates.end(), {x[0], x[1], x[2]});
+  }
+}
+
+void add_bonds(const options::SceneOptions& options, const SolidPlan& plan, Solid& solid)
+{
+  std::vector<Index> sites;
+  for (const pd::Particle& particle : solid.particles) sites.push_back(particle.site);
+  pd::SurfaceCorrection<3> correction;
+  if (options.pd.surface_correction != options::SurfaceCorrection::none)
+    correction = pd::correct_volumes<3>(
+        plan.stencil, [lattice = plan.lattice](const Site<3>& site) { return lattice.contains(site); });
+  std::vector<std::unique_ptr<pd::LatticePart<3>>> parts;
+  parts.push_back(std::make_unique<pd::LatticePart<3>>(solid.system.rows, plan.lattice, plan.stencil, std::move(sites),
+                                                       0, std::move(correction)));
+  auto bonds = std::make_unique<pd::BondTerm<3>>(std::move(parts), options.bond_kinematics(), false);
+  solid.bonds = bonds.get();
+  solid.system.terms.push_back(std::move(bonds));
+  if (!solid.cracks.empty()) solid.bonds->cut(solid.cracks);
+}
+
+/// From here on the bonds step in lane strips, with a toughness watched for breaking.
+void step_explicitly(const options::SceneOptions& options, const SolidPlan& plan, Solid& solid)
+{
+  if (!options.fracture.active()) return solid.bonds->step_explicitly({});
+  using Breaker = couple::StepBreaker<3>;
+  solid.critical_stretch = {critical_stretch<3>(options, plan.stencil)};
+  const couple::FractureOptions rule{solid.critical_stretch, options.fracture.no_fail, options.fracture.release,
+                                     options.fracture.release_share, options.bond_kinematics()};
+  auto breaker = std::make_unique<Breaker>(*solid.bonds, nullptr, rule, Breaker::Steps::in_strips);
+  solid.breaker = breaker.get();
+  solid.system.after_step.push_back(std::move(breaker));
+}
+} // namespace
+
+std::unique_ptr<Solid> discretise(MPI_Comm comm, const options::SceneOptions& options, const SolidPlan& plan,
+                                  std::vector<pd::Particle> particles)
+{
+  auto solid = std::make_unique<Solid>();
+  solid->particles = std::move(particles);
+  solid->body = plan.columns.body;
+  judge_no_fail(options, solid->body);
+  solid->cracks = cracks_in(options, solid->body);
+  number_rows(comm, plan.lattice, *solid);
+  add_bonds(options, plan, *solid);
+  apply_conditions(options, plan.lattice, *solid);
+  solid->system.bind();
+  step_explicitly(options, plan, *solid);
+  solid->bonds->skip_below(options.pd.skip_tolerance);
+  return solid;
+}
+
+post::Energies Solid::energies(std::span<const double> local) const
+{
+  post::Energies mine;
+  mine.bonds = bonds->energy(local);
+  return mine;
+}
+} // namespace pdx::scene
