@@ -12,6 +12,7 @@
 #include <array>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <new>
 #include <string>
 
@@ -115,10 +116,20 @@ int run_program(const options::Arguments& arguments)
 namespace {
 void before_libraries(int, char**, char**) { pdx::StopSignals::look_at_ignored(); }
 [[gnu::section(".preinit_array"), gnu::used]] void (*const first)(int, char**, char**) = before_libraries;
+
+/// One process without a launcher needs no daemon: Open MPI 4 starts one, and now and then ends with a signal as it
+/// leaves it.
+void need_no_daemon()
+{
+  for (const char* launched : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"})
+    if (std::getenv(launched)) return;
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+}
 } // namespace
 
 int main(int argc, char** argv)
 {
+  need_no_daemon();
   std::signal(SIGXFSZ, SIG_IGN); // MPI writes files too, and says so where it cannot
   const pdx::StopSignals signals;
   int threads = 0;

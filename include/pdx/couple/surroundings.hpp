@@ -64,8 +64,7 @@ public:
   /// What carries the point x in which a bond meets the border of the patch: the nodes of the mesh edges there. Where
   /// lattice cells and edges do not match, the trace of the edges is averaged over the lattice cell along the side.
   /// `inward` goes along the bond into the patch; where a crack enters it, x moves with the side on which x + inward
-  /// lies. Empty where no elements lie behind, or a seam parts them from x + inward; no seam does where `inward` is
-  /// zero.
+  /// lies. Empty where no elements lie behind, or a seam parts them from x + inward; no seam does where `inward` is 0.
   /// @param zone  lattice cells beside the body's free sides whose trace is averaged as that of one: bonds with surface
   /// factors share the tension out unevenly, but all in all as a uniform traction there
   std::optional<Host> edge_host(const Vector<2>& x, const Vector<2>& inward, Index zone = 0) const;
