@@ -118,7 +118,7 @@ void add_rows(NamedState& state, const adapt::FreshRows& fresh)
 
 namespace {
 /// What a run has named itself has no name twice.
-field::RowMove::Wanted wanted(StateMove::From from)
+field::RowMove::Wanted wanted_of(StateMove::From from)
 {
   return from == StateMove::From::file ? field::RowMove::Wanted::often : field::RowMove::Wanted::once;
 }
@@ -126,8 +126,8 @@ field::RowMove::Wanted wanted(StateMove::From from)
 
 StateMove::StateMove(const NamedState& state, const Standing& scene, From from)
     : state_(state), scene_(scene), changed_(from == From::changed), names_(scene),
-      rows_(scene.model->system.rows.comm, state.rows, names_.rows(), wanted(from)),
-      particles_(scene.model->system.rows.comm, state.particles, names_with_words(scene, names_), wanted(from)),
+      rows_(scene.model->system.rows.comm, state.rows, names_.rows(), wanted_of(from)),
+      particles_(scene.model->system.rows.comm, state.particles, names_with_words(scene, names_), wanted_of(from)),
       misfit_(misfit_of())
 {}
 

@@ -13,8 +13,8 @@ struct Particle {
   Vector<2> x; ///< reference position [m]
 };
 
-/// The particles of all patches as a DMSwarm that follows the cells: each lives on the rank of the cell that holds
-/// it. Kernels do not look in here; they take flat arrays (LatticePart) at every change of layout.
+/// The particles of a solid or a cloud as a DMSwarm that follows the cells: each lives on the rank of the cell that
+/// holds it. Kernels do not look in here; they take flat arrays (LatticePart) at every change of layout.
 class Particles {
 public:
   /// An empty swarm. Collective.
