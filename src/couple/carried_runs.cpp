@@ -6,8 +6,8 @@
 namespace pdx::couple {
 namespace carried_runs {
 constexpr Index kTile = 64, kMargin = 24, kPlaces = kTile + 2 * kMargin; // of a side; bonds lead into the margins
-constexpr Index kFarthest =
-    16; // places that a bond leads along a side: any block of 8 that moves on stays in the margins
+/// Places that a bond leads along a side, at most: a block of 8 that moves on by them stays in the margins.
+constexpr Index kFarthest = 16;
 constexpr double kBorder = 1e-6;  // of a lattice cell: so near to its border is on it
 constexpr double kSame = 1e-11;   // two weights, apart by rounding
 constexpr std::size_t kLeast = 2; // bonds of a run
@@ -129,12 +129,13 @@ private:
       if (piece->lanes.empty() || piece->lanes.back().place < place) piece->lanes.push_back({place, bond.point, {}});
       piece->lanes.back().bonds.push_back(&bond);
     }
-    const auto [cell, within] = carried_runs::meeting(bonds.front().leaves.along);
+    const carried_runs::Meeting met = carried_runs::meeting(bonds.front().leaves.along);
+    const Index cell = met.cell;
     for (Piece& piece : apart) {
       if (piece.lanes.size() < carried_runs::kLeast || std::abs(cell) > carried_runs::kFarthest) continue;
       piece.cell = cell;
       piece.from = line(from, bonds.front().leaves.depth, [](const Line&) { return true; });
-      piece.to = line(to, within, [&](const Line& points) {
+      piece.to = line(to, met.within, [&](const Line& points) {
         return std::ranges::all_of(piece.lanes, [&](const auto& lane) {
           const Index there = points.who[static_cast<std::size_t>(lane.place + cell)];
           return there < 0 || carried_runs::same(points_, there, lane.point);

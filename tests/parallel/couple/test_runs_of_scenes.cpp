@@ -41,9 +41,11 @@ double difference(const options::SceneOptions& options)
   const std::vector<pd::BreakRule> rules(scene.plan().shapes.size(), {options.bond_kinematics(), 0.02, nullptr});
   const std::vector<double> small = shaken(scene, 1e-4), large = shaken(scene, 0.05);
   std::vector<std::vector<double>> before, after;
+  std::vector<double> energy_before, energy_after;
   std::vector<bool> seen_before, seen_after;
-  const auto look = [&](std::vector<std::vector<double>>& found, std::vector<bool>& seen) {
+  const auto look = [&](std::vector<std::vector<double>>& found, std::vector<bool>& seen, std::vector<double>& energy) {
     for (const auto* u : {&small, &large, &small}) {
+      energy.push_back(scene.sum(bonds.energy(*u)));
       found.push_back(forces(scene, bonds, *u));
       seen.push_back(bonds.overstretched_seen());
     }
@@ -51,19 +53,20 @@ double difference(const options::SceneOptions& options)
   const auto broken = [&] { return scene.sum(static_cast<double>(bonds.break_bonds(large, rules).bonds)); };
   bonds.watch(rules);
   bonds.save();
-  look(before, seen_before);
+  look(before, seen_before, energy_before);
   const double few = broken();
   EXPECT_GT(few, 0.0);
   EXPECT_GT(scene.sum(static_cast<double>(bonds.bonds())), 0.0);
-  look(before, seen_before);
+  look(before, seen_before, energy_before);
   bonds.restore();
   bonds.step_explicitly();
-  look(after, seen_after);
+  look(after, seen_after, energy_after);
   EXPECT_EQ(broken(), few);
-  look(after, seen_after);
+  look(after, seen_after, energy_after);
   EXPECT_EQ(seen_before, seen_after);
   double worst = 0.0;
   for (std::size_t k = 0; k < before.size(); ++k) {
+    EXPECT_NEAR(energy_after[k], energy_before[k], kEqual * energy_before[k]);
     double apart = 0.0, largest = 0.0;
     for (std::size_t c = 0; c < before[k].size(); ++c) {
       apart = std::max(apart, std::abs(after[k][c] - before[k][c]));

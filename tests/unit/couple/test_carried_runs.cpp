@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-using namespace pdx;
+namespace pdx::test::carried_runs {
 using couple::CarriedPoints;
 using couple::CarriedRuns;
 using couple::RunBond;
@@ -229,3 +229,4 @@ TEST(CarriedRuns, SeeABondThatPassesItsLimitUnlessItIsGoneOrNeverFails)
     EXPECT_FALSE(seen(0.0399999, finite, false, true));
   }
 }
+} // namespace pdx::test::carried_runs
