@@ -104,9 +104,9 @@ ElementSweep::ElementSweep(const law::Elastic& law, Kinematics kinematics, std::
     const auto inside = [&](std::size_t k) {
       return std::ranges::all_of(elements[k].rows, [&](Index row) { return row < owned; });
     };
-    const auto border = std::ranges::stable_partition(rest, inside);
+    const auto border = std::stable_partition(rest.begin(), rest.end(), inside);
     for (const bool is_inside : {true, false}) {
-      const auto chosen = is_inside ? std::span(rest.begin(), border.begin()) : std::span(border.begin(), border.end());
+      const auto chosen = is_inside ? std::span(rest.begin(), border) : std::span(border, rest.end());
       if (chosen.empty()) continue;
       part.blocks.push_back(blocks_of(elements, chosen, processor));
       part.blocks.back().inside = is_inside;

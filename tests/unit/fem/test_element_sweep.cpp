@@ -10,7 +10,7 @@ using namespace pdx;
 using fem::ElementSweep;
 using fem::Kinematics;
 
-namespace {
+namespace element_sweeps {
 const law::Elastic kPlate{70e9, 0.3, law::Plane::stress, 2e-3};
 const law::Elastic kThick{70e9, 0.2, law::Plane::strain, 2e-3};
 constexpr double kWidth = 1.3e-2, kHeight = 0.9e-2;
@@ -101,7 +101,6 @@ Index in_runs(const Grid& grid, Index owned, Processor processor = Processor::an
 {
   return ElementSweep(kPlate, Kinematics::finite, grid.elements, owned, processor).in_runs();
 }
-} // namespace
 
 TEST(ElementSweep, RectanglesInRunsOfAnyLengthPullLikeThePlainKernel)
 {
@@ -242,3 +241,4 @@ TEST(ElementSweep, EvenStretchPullsTheEndsWithTheStressOfTheSolid)
     for (std::size_t i = 0; i < r.size(); ++i) EXPECT_NEAR(r[i], expected[i], 1e-13 * scale) << i;
   }
 }
+} // namespace element_sweeps
