@@ -64,6 +64,14 @@ class Mixed(program.ProgramTest):
         events = self.solve(alone | thrown | {"-ts_max_time": "2e-6"}).events
         self.assertFalse([name for name in events if name.startswith(("mpm_", "contact_"))])
 
+    def test_cells_at_rest_beside_particles_are_skipped_without_changing_a_bit(self):
+        # The bar flies and all of it moves; of the block it has struck a wave has gone half through.
+        some, every = (self.solve(ON_PARTICLES | {"-ts_max_time": "4e-6", "-mpm_skip_rest": how}, 2) for how in ("1", "0"))
+        computed, skipped = (some.summary["results"][f"mpm_cells_{what}"] for what in ("computed", "skipped"))
+        self.assertGreater(skipped, 0.05 * computed)
+        self.assertEqual(every.summary["results"]["mpm_cells_computed"], computed + skipped)
+        self.assertEqual(some.history(), every.history())
+
     def spall(self, options, ranks=1, directory=None):
         return self.solve({"-options_file": "cases/spallation/case.opts", "-quiet": ""} | options, ranks, directory)
 
