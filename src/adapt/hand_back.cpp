@@ -33,7 +33,8 @@ public:
     for (const xfem::CutElement& cut : scene.sets ? scene.sets->cells() : std::span<const xfem::CutElement>())
       for (std::size_t a = 0; a < 4; ++a) {
         const PetscInt row = scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cut.cell)[a])] - rows.first;
-        if (cut.sets[a] < 0 && row >= 0 && row < rows.nodes) loose[static_cast<std::size_t>(row)] = 1.0;
+        const bool has_none = cut.piece ? scene.sets->of(scene.mesh.cell(cut.cell)[a]).empty() : cut.sets[a] < 0;
+        if (has_none && row >= 0 && row < rows.nodes) loose[static_cast<std::size_t>(row)] = 1.0;
       }
     std::fill_n(loose.begin() + rows.nodes, rows.enriched, 1.0);
     std::vector<double> of_cracks;
@@ -142,7 +143,7 @@ FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::si
     if (!beside.contains(v) && !geom::hold(change.uncover, mesh.point(v))) continue;
     const std::span<const xfem::EnrichedSet> known =
         scene.sets ? scene.sets->of(v) : std::span<const xfem::EnrichedSet>();
-    for (int crack = 0; crack < cracks; ++crack)
+    for (int crack = 0; crack < std::max(cracks, scene.sets ? scene.sets->codes() : 0); ++crack)
       if (std::ranges::find(known, crack, &xfem::EnrichedSet::crack) == known.end())
         fresh.names.push_back(field::RowName::set(mesh.natural_vertex(v), crack));
   }

@@ -85,7 +85,8 @@ void CoarseMesh::sort_cells()
 {
   intact_.clear();
   special_.clear();
-  for (const Index c : cut_) add_cut(*fine_.sets->cut(c));
+  for (const Index c : cut_)
+    for (const xfem::CutElement& cut : fine_.sets->all_of(c)) add_cut(cut);
   std::vector<std::pair<std::array<Corner, 4>, double>> groups; // of particles that lean on the same rows
   for (std::size_t number = 0; number < cells_.size(); ++number) {
     const auto& [patch, cell, assembled] = cells_[number];

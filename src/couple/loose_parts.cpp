@@ -166,7 +166,7 @@ void LooseParts::tie_elements(Ties& ties) const
     for (const xfem::Side side : {xfem::Side::minus, xfem::Side::plus}) {
       if (cut.element.cell.points(side).empty()) continue;
       const auto corner = [&](std::size_t a) {
-        const bool far = cut.element.enriched[a] && side != cut.element.side[a];
+        const bool far = cut.element.enriched[a] && cut.element.factor(a, side) != 0.0;
         return far ? cut.sets[a] : row(cut.cell, a);
       };
       for (std::size_t a = 1; a < 4; ++a) ties.join(corner(0), corner(a));

@@ -11,14 +11,15 @@ namespace pdx::couple {
 Host host_in_cell(const ElementView& scene, Index cell, const Vector<2>& x)
 {
   const auto weights = mesh::bilinear_weights(scene.mesh.corners(cell), x);
-  const xfem::CutElement* cut = scene.sets ? scene.sets->cut(cell) : nullptr;
+  const bool is_cut = scene.sets && scene.sets->cut(cell);
+  const auto [cut, side] = is_cut ? scene.sets->at(cell, x) : std::pair{nullptr, xfem::Side::plus};
   Host host;
-  host.across = cut && scene.sets->side_in(*cut, x) != xfem::side_of(scene.sets->cracks().side(cut->crack, x));
+  host.across = cut && !cut->piece && side != xfem::side_of(scene.sets->cracks().side(cut->crack, x));
   for (std::size_t a = 0; a < 4; ++a) {
     const PetscInt node = scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cell)[a])];
     (void)host.add(node, weights[a]);
     if (!cut) continue;
-    const double factor = xfem::set_factor(*cut, a, scene.sets->side_in(*cut, x));
+    const double factor = xfem::set_factor(*cut, a, side);
     if (factor != 0.0) (void)host.cross(node, cut->sets[a], weights[a], factor);
   }
   return host;
@@ -72,8 +73,9 @@ Surroundings::Edge Surroundings::edge_of(const ElementView& scene, Index behind,
     edge.sets[end] = -1;
     for (std::size_t a = 0; cut && a < 4; ++a)
       if (mesh.cell(behind)[a] == vertices[end]) {
-        edge.sets[end] = cut->sets[a];
-        edge.node_side[end] = cut->element.side[a];
+        edge.node_side[end] = xfem::side_of(cut->distance[a]);
+        for (const xfem::CutElement& piece : scene.sets->all_of(behind)) // one at most has it; no node of a junction
+          if (piece.sets[a] >= 0) edge.sets[end] = piece.sets[a];
       }
   }
   return edge;

@@ -89,7 +89,9 @@ void parts_of(const Solved& s, const xfem::CutElement& cut, std::vector<post::Pa
 
 double domain_result(const Solved& s, const crack::Tip& tip)
 {
-  const auto parts = [&](Index cell, std::vector<post::PartOfCell>& into) { parts_of(s, *s.d.sets->cut(cell), into); };
+  const auto parts = [&](Index cell, std::vector<post::PartOfCell>& into) {
+    for (const xfem::CutElement& cut : s.d.sets->all_of(cell)) parts_of(s, cut, into);
+  };
   return post::domain_j({s.mesh, s.options.elastic, s.options.element_kinematics()}, tip,
                         {(*s.options.post.j_domain)[0], (*s.options.post.j_domain)[1], s.options.frame},
                         s.d.node_field->displacement(s.u), parts);

@@ -1,5 +1,6 @@
 #include "pdx/xfem/enriched_sets.hpp"
 
+#include "junction_zone.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/crack/cut_cells.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
@@ -26,7 +27,7 @@ double smallest_edge(const mesh::Mesh& mesh)
 struct Found {
   std::vector<CellCut> cuts;     ///< ascending by cell
   std::vector<std::size_t> tips; ///< numbers of the tips that lie in owned elements
-  std::vector<std::size_t> ends; ///< numbers of the junctions that do
+  std::vector<EndCut> ends;      ///< in elements, ascending by crack
 };
 
 /// Is x in the cell, grown by `margin` on every side?
@@ -39,19 +40,45 @@ bool holds(const fem::Corners& corners, const Vector<2>& x, double margin)
   return true;
 }
 
-/// Adds the numbers of the ends of a crack, tips or junctions, that lie in the cell.
-template <class End>
-void add_ends_in(const fem::Corners& cell, double margin, int crack, std::span<const End> ends,
-                 std::vector<std::size_t>& found)
+/// How far a point is beyond the sides of a convex outline; below 0 inside [m].
+double how_far_out(const geom::Polygon& outline, const Vector<2>& x)
 {
-  for (std::size_t k = 0; k < ends.size(); ++k)
-    if (ends[k].crack == crack && holds(cell, ends[k].at, margin)) found.push_back(k);
+  double out = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Vector<2> along = outline[(k + 1) % outline.size()] - outline[k], to = x - outline[k];
+    if (const double length = along.norm(); length > 0.0)
+      out = std::max(out, (to.x() * along.y() - to.y() * along.x()) / length);
+  }
+  return out;
 }
 
-Found find_everything(const mesh::Mesh& mesh, const crack::CrackSet& cracks)
+/// Adds the numbers of the tips of a crack that lie in the cell.
+void add_tips_in(const fem::Corners& cell, double margin, int crack, std::span<const crack::Tip> tips,
+                 std::vector<std::size_t>& found)
+{
+  for (std::size_t k = 0; k < tips.size(); ++k)
+    if (tips[k].crack == crack && holds(cell, tips[k].at, margin)) found.push_back(k);
+}
+
+/// Adds the ends of a crack on others that lie in a cell which it comes into.
+void add_ends_in(const mesh::Mesh& mesh, const crack::CutCell& cell, double margin, int crack,
+                 const crack::CrackSet& cracks, std::span<const double> distance, std::vector<EndCut>& found)
+{
+  for (std::size_t k = 0; k < cracks.junctions().size(); ++k) {
+    const crack::Junction& junction = cracks.junctions()[k];
+    if (junction.crack != crack || !holds(mesh.corners(cell.cell), junction.at, margin)) continue;
+    EndCut end{k, {cell.cell, crack, {}, std::nullopt, -1, junction.other, junction.at}};
+    for (std::size_t a = 0; a < 4; ++a) {
+      end.cut.distance[a] = distance[static_cast<std::size_t>(mesh.cell(cell.cell)[a])];
+      if (cell.edges >> a & 1u) end.cut.entry = static_cast<int>(a);
+    }
+    found.push_back(end);
+  }
+}
+
+Found find_everything(const mesh::Mesh& mesh, const crack::CrackSet& cracks, double tolerance)
 {
   Found found;
-  const double tolerance = kTolerance * smallest_edge(mesh);
   for (int crack = 0; crack < cracks.size(); ++crack) {
     const crack::Cuts cuts = crack::find_cuts(cracks, crack, {mesh.points(), mesh.all_cells()}, tolerance);
     for (const crack::CutCell& cut : cuts.cells) {
@@ -60,47 +87,16 @@ Found find_everything(const mesh::Mesh& mesh, const crack::CrackSet& cracks)
         CellCut& kept = found.cuts.emplace_back(CellCut{cut.cell, crack, {}});
         for (std::size_t a = 0; a < 4; ++a)
           kept.distance[a] = cuts.distance[static_cast<std::size_t>(mesh.cell(cut.cell)[a])];
-      } else if (cut.cell < mesh.owned_cells()) {
-        const fem::Corners corners = mesh.corners(cut.cell);
-        // A tip just before an edge lies in the next cell: within the tolerance, and its rounding.
-        add_ends_in(corners, 2.0 * tolerance, crack, cracks.tips(), found.tips);
-        add_ends_in(corners, tolerance, crack, cracks.junctions(), found.ends);
+        continue;
       }
+      // A tip just before an edge lies in the next cell: within the tolerance, and its rounding.
+      if (cut.cell < mesh.owned_cells())
+        add_tips_in(mesh.corners(cut.cell), 2.0 * tolerance, crack, cracks.tips(), found.tips);
+      add_ends_in(mesh, cut, tolerance, crack, cracks, cuts.distance, found.ends);
     }
   }
   std::ranges::stable_sort(found.cuts, {}, &CellCut::cell);
   return found;
-}
-
-/// A cell that two cracks cut.
-struct Junction {
-  Index natural;
-  std::array<int, 2> cracks;
-  std::array<double, 2> at; ///< [m]
-};
-
-std::vector<Junction> owned_junctions(const mesh::Mesh& mesh, std::span<const CellCut> cuts)
-{
-  std::vector<Junction> mine;
-  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-    if (cuts[i].cell != cuts[i + 1].cell || cuts[i].cell >= mesh.owned_cells()) continue;
-    const Vector<2> x = mesh.centroid(cuts[i].cell);
-    mine.push_back({mesh.natural_cell(cuts[i].cell), {cuts[i].crack, cuts[i + 1].crack}, {x.x(), x.y()}});
-  }
-  return mine;
-}
-
-/// Refuses the first cell that two cracks cut, alike on every rank. Collective.
-void refuse_junctions(const mesh::Mesh& mesh, std::span<const CellCut> cuts, const geom::Frame& frame)
-{
-  const std::vector<Junction> all = gather_all(mesh.comm(), owned_junctions(mesh, cuts));
-  if (all.empty()) return;
-  const Junction first = *std::ranges::min_element(
-      all, {}, [](const Junction& j) { return std::tuple(j.natural, j.cracks[0], j.cracks[1]); });
-  throw UserError(
-      fmt::format("cracks {} and {} cut the same element, around {}; an element opens along one crack: refine the "
-                  "mesh, move them apart, or put a patch there",
-                  first.cracks[0] + 1, first.cracks[1] + 1, frame.text({first.at[0], first.at[1]})));
 }
 
 /// Those of one crack, of supports sorted by crack.
@@ -140,19 +136,6 @@ Enrichment enrich_together(const mesh::Mesh& mesh, const MeshView& view, std::sp
   }
 }
 
-/// Refuses the first crack that ends on another inside an element, where it closes at an edge before. Collective.
-void refuse_ends(const mesh::Mesh& mesh, const crack::CrackSet& cracks, const std::vector<std::size_t>& mine,
-                 const geom::Frame& frame)
-{
-  const std::vector<std::size_t> all = gather_all(mesh.comm(), mine);
-  if (all.empty()) return;
-  const crack::Junction& first = cracks.junctions()[*std::ranges::min_element(all)];
-  throw UserError(
-      fmt::format("crack {} ends on crack {} inside an element, {}; an element opens along one crack: give one line "
-                  "through both, or put a patch there",
-                  first.crack + 1, first.other + 1, frame.text(first.at)));
-}
-
 std::vector<Vector<2>> closed_tips(const mesh::Mesh& mesh, const crack::CrackSet& cracks,
                                    const std::vector<std::size_t>& mine)
 {
@@ -169,22 +152,25 @@ EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, cons
                            const geom::Frame& frame)
     : mesh_(mesh), cracks_(cracks)
 {
-  const Found found = find_everything(mesh, cracks);
-  refuse_junctions(mesh, found.cuts, frame);
-  refuse_ends(mesh, cracks, found.ends, frame);
+  const double tolerance = kTolerance * smallest_edge(mesh);
+  const Found found = find_everything(mesh, cracks, tolerance);
+  JunctionZone zone(mesh, cracks, found.cuts, found.ends, tolerance, frame);
   std::vector<Index> active;
   for (Index c = 0; c < mesh.cells(); ++c)
     if (mesh.use(c) != mesh::Use::covered && mesh.use(c) != mesh::Use::points) active.push_back(c);
   const MeshView view{mesh.all_cells(), mesh.points(), active};
   const Enrichment enrichment = enrich_together(mesh, view, found.cuts, rule, cracks.size());
-  keep_sets(enrichment);
-  keep_cells(view, found.cuts, enrichment, rule.quadrature);
-  for (const CutElement& cut : cells_) mesh.cut(cut.cell);
-  count(enrichment);
+  if (!zone.empty()) zone.part(found.cuts, enrichment.snapped, rule.share());
+  codes_ = zone.codes();
+  keep_sets(enrichment, zone);
+  keep_cells(view, found.cuts, enrichment, rule.quadrature, zone);
+  for (std::size_t k = 0; k < cells_.size(); ++k)
+    if (k == 0 || cells_[k].cell != cells_[k - 1].cell) mesh.cut(cells_[k].cell);
+  count(enrichment, zone);
   report_.closed = closed_tips(mesh, cracks, found.tips);
 }
 
-void EnrichedSets::keep_sets(const Enrichment& enrichment)
+void EnrichedSets::keep_sets(const Enrichment& enrichment, const JunctionZone& zone)
 {
   const auto vertices = static_cast<std::size_t>(mesh_.vertices());
   std::vector<std::pair<Index, EnrichedSet>> all;
@@ -195,8 +181,13 @@ void EnrichedSets::keep_sets(const Enrichment& enrichment)
       side[static_cast<std::size_t>(s.node)] = static_cast<int>(s.side);
     mesh::fill_halo(mesh_, MPI_INT, 1, side.data());
     for (std::size_t v = 0; v < vertices; ++v)
-      if (side[v] >= 0) all.emplace_back(static_cast<Index>(v), EnrichedSet{crack, -1, static_cast<Side>(side[v])});
+      if (side[v] >= 0 && (zone.empty() || !zone.has_node(static_cast<Index>(v))))
+        all.emplace_back(static_cast<Index>(v), EnrichedSet{crack, -1, static_cast<Side>(side[v]), {}});
   }
+  for (Index v = 0; v < mesh_.vertices() && !zone.empty(); ++v)
+    if (zone.has_node(v))
+      for (const NodeCopy& copy : zone.copies(v).copies)
+        all.emplace_back(v, EnrichedSet{copy.code, -1, copy.side, copy.at});
   std::ranges::stable_sort(all, {}, [](const auto& entry) { return entry.first; });
   offsets_.assign(vertices + 1, 0);
   for (const auto& [vertex, set] : all) {
@@ -208,25 +199,56 @@ void EnrichedSets::keep_sets(const Enrichment& enrichment)
 }
 
 void EnrichedSets::keep_cells(const MeshView& view, std::span<const CellCut> cuts, const Enrichment& enrichment,
-                              Quadrature quadrature)
+                              Quadrature quadrature, const JunctionZone& zone)
 {
   cells_.reserve(cuts.size());
   for (std::size_t i = 0; i < cuts.size(); ++i)
-    cells_.push_back({.cell = cuts[i].cell,
-                      .crack = cuts[i].crack,
-                      .snapped = enrichment.snapped[i],
-                      .distance = cuts[i].distance,
-                      .element = enriched_element(view, cuts, i, enrichment, quadrature)});
+    if (!zone.has_cell(cuts[i].cell))
+      cells_.push_back({.cell = cuts[i].cell,
+                        .crack = cuts[i].crack,
+                        .snapped = enrichment.snapped[i],
+                        .distance = cuts[i].distance,
+                        .element = enriched_element(view, cuts, i, enrichment, quadrature)});
+  if (!zone.empty()) keep_pieces(zone, cuts);
 }
 
-void EnrichedSets::count(const Enrichment& enrichment)
+/// Pieces of cells, each an element of its own.
+void EnrichedSets::keep_pieces(const JunctionZone& zone, std::span<const CellCut> cuts)
 {
-  const auto owned_cell = [&](const CutElement& cut) { return cut.cell < mesh_.owned_cells(); };
+  for (Index c = 0; c < mesh_.cells(); ++c) {
+    if (!zone.has_cell(c)) continue;
+    const auto of_cell = std::ranges::equal_range(cuts, c, {}, &CellCut::cell);
+    for (const Piece& piece : zone.pieces(c)) {
+      CutElement cut{.cell = c, .crack = 0, .snapped = {}, .distance = {}, .element = {}};
+      if (!of_cell.empty()) {
+        cut.crack = of_cell.front().crack;
+        cut.distance = of_cell.front().distance;
+      }
+      if (zone.pieces(c).size() == 1) cut.snapped = piece.side;
+      std::array<double, 4> factor{};
+      for (std::size_t a = 0; a < 4; ++a)
+        if (const EnrichedSet* set = piece.set[a] < 0 ? nullptr : find(mesh_.cell(c)[a], piece.set[a]))
+          factor[a] = shifted_step(opposite(set->side), set->side);
+      cut.element = piece_element(mesh_.corners(c), piece, factor);
+      cut.piece = piece;
+      cells_.push_back(std::move(cut));
+    }
+  }
+  std::ranges::stable_sort(cells_, {}, &CutElement::cell);
+}
+
+void EnrichedSets::count(const Enrichment& enrichment, const JunctionZone& zone)
+{
+  Index owned_cells = 0, given_up = 0;
+  for (std::size_t k = 0; k < cells_.size(); ++k)
+    owned_cells += cells_[k].cell < mesh_.owned_cells() && (k == 0 || cells_[k].cell != cells_[k - 1].cell);
+  for (Index v = 0; v < mesh_.owned_vertices() && !zone.empty(); ++v)
+    if (zone.has_node(v)) given_up += zone.copies(v).lost;
   const auto lost = [&](const NodeSupport& s) {
     return s.verdict == Verdict::share && s.node < mesh_.owned_vertices();
   };
-  std::array<Index, 3> sum{static_cast<Index>(std::ranges::count_if(cells_, owned_cell)), owned(),
-                           static_cast<Index>(std::ranges::count_if(enrichment.dropped, lost))};
+  std::array<Index, 3> sum{owned_cells, owned(),
+                           given_up + static_cast<Index>(std::ranges::count_if(enrichment.dropped, lost))};
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_INT, MPI_SUM, mesh_.comm());
   report_ = {sum[0], sum[1], sum[2], {}};
 }
@@ -243,7 +265,7 @@ void EnrichedSets::number(PetscInt first)
 {
   for (std::size_t k = 0; k < vertices_.size(); ++k) sets_[k].row = first + static_cast<PetscInt>(k);
   std::vector<PetscInt> rows(static_cast<std::size_t>(mesh_.vertices()));
-  for (int crack = 0; crack < cracks_.size(); ++crack) {
+  for (int crack = 0; crack < codes_; ++crack) {
     std::ranges::fill(rows, -1);
     for (const Index v : vertices_)
       if (const EnrichedSet* set = find(v, crack)) rows[static_cast<std::size_t>(v)] = set->row;
@@ -253,7 +275,8 @@ void EnrichedSets::number(PetscInt first)
   }
   for (CutElement& cut : cells_)
     for (std::size_t a = 0; a < 4; ++a)
-      if (cut.element.enriched[a]) cut.sets[a] = find(mesh_.cell(cut.cell)[a], cut.crack)->row;
+      if (cut.element.enriched[a])
+        cut.sets[a] = find(mesh_.cell(cut.cell)[a], cut.piece ? cut.piece->set[a] : cut.crack)->row;
 }
 
 std::span<const EnrichedSet> EnrichedSets::of(Index vertex) const
@@ -266,6 +289,29 @@ const CutElement* EnrichedSets::cut(Index cell) const
 {
   const auto at = std::ranges::lower_bound(cells_, cell, {}, &CutElement::cell);
   return at != cells_.end() && at->cell == cell ? &*at : nullptr;
+}
+
+std::span<const CutElement> EnrichedSets::all_of(Index cell) const
+{
+  const auto range = std::ranges::equal_range(cells_, cell, {}, &CutElement::cell);
+  return {range.begin(), range.end()};
+}
+
+std::pair<const CutElement*, Side> EnrichedSets::at(Index cell, const Vector<2>& x) const
+{
+  const std::span<const CutElement> all = all_of(cell);
+  if (!all.front().piece) return {&all.front(), side_in(all.front(), x)};
+  const CutElement* best = &all.front();
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const CutElement& cut : all) {
+    if (cut.piece->side && *cut.piece->side == side_of(cracks_.side(cut.crack, x))) return {&cut, Side::plus};
+    for (const geom::Polygon& outline : cut.piece->outlines)
+      if (const double out = how_far_out(outline, x); out < nearest) {
+        nearest = out;
+        best = &cut;
+      }
+  }
+  return {best, Side::plus};
 }
 
 Side EnrichedSets::side_in(const CutElement& cut, const Vector<2>& x) const

@@ -45,6 +45,7 @@ Above above(const crack::Polyline& points, const Vector<2>& x)
 Halves halves_of(const mesh::Mesh& mesh, const EnrichedSets& sets, Index vertex, const EnrichedSet& set)
 {
   const Vector<2>& x = mesh.point(vertex);
+  if (set.far) return {x, *set.far};
   const auto [left, height] = above(sets.cracks().points(set.crack), x);
   const Vector<2> home = set.side == Side::plus ? left : Vector<2>(-left); // to the node's own side
   const double clear = kClear * shortest_edge(mesh, sets, vertex), away = std::abs(height);

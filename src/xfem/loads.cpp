@@ -32,6 +32,22 @@ std::array<EdgePart, 2> parts_of(const CutElement& cut, std::size_t first, std::
   return {{{at_first, 0.0, middle}, {at_last, middle, 1.0}}};
 }
 
+/// A piece lies on the plus side of its element; what of the edge between two corners is its own, from the first.
+std::vector<EdgePart> edge_parts(const CutElement& cut, std::size_t first, std::size_t last)
+{
+  std::vector<EdgePart> parts;
+  if (!cut.piece) {
+    const auto both = parts_of(cut, first, last);
+    return {both.begin(), both.end()};
+  }
+  for (const EdgeShare& share : cut.piece->edges) {
+    const auto edge = static_cast<std::size_t>(share.edge), next = (edge + 1) % 4;
+    if (edge == first && next == last) parts.push_back({Side::plus, share.begin, share.end});
+    if (edge == last && next == first) parts.push_back({Side::plus, 1.0 - share.end, 1.0 - share.begin});
+  }
+  return parts;
+}
+
 std::size_t corner_of(const mesh::Mesh& mesh, Index cell, Index vertex)
 {
   return static_cast<std::size_t>(std::ranges::find(mesh.cell(cell), vertex) - mesh.cell(cell).begin());
@@ -42,18 +58,18 @@ void add_traction(const mesh::Mesh& mesh, const EnrichedSets& sets, std::span<co
                   const Vector<2>& traction, double thickness, const fem::NodalForces& target)
 {
   for (const mesh::BoundaryEdge& edge : edges) {
-    const CutElement* cut = sets.cut(edge.cell);
-    if (!cut) continue;
+    if (!sets.cut(edge.cell)) continue;
     const std::size_t first = corner_of(mesh, edge.cell, edge.vertices[0]);
     const std::size_t last = corner_of(mesh, edge.cell, edge.vertices[1]);
     const double length = (mesh.point(edge.vertices[1]) - mesh.point(edge.vertices[0])).norm();
     const Vector<2> force = length * thickness * traction; // of the whole edge
-    for (const EdgePart& part : parts_of(*cut, first, last)) {
-      const double share = part.end - part.begin;
-      const double of_last = 0.5 * share * (part.end + part.begin); // integral of N_last = s
-      add_corner(mesh, *cut, first, part.side, (share - of_last) * force, target);
-      add_corner(mesh, *cut, last, part.side, of_last * force, target);
-    }
+    for (const CutElement& cut : sets.all_of(edge.cell))
+      for (const EdgePart& part : edge_parts(cut, first, last)) {
+        const double share = part.end - part.begin;
+        const double of_last = 0.5 * share * (part.end + part.begin); // integral of N_last = s
+        add_corner(mesh, cut, first, part.side, (share - of_last) * force, target);
+        add_corner(mesh, cut, last, part.side, of_last * force, target);
+      }
   }
 }
 

@@ -1,0 +1,83 @@
+"""Cracks that meet in elements: what they cut off moves by itself, in any analysis and on any number of ranks.
+
+Usage: test_junctions.py PDXSOLVE [unittest arguments]; environment as for test_bad_input.py.
+"""
+
+import program
+
+import fields
+
+import numpy as np
+
+# A plate of 9 x 9 elements, cut into three by a Y: above, below and on the right.
+Y = {
+    "-case": "y",
+    "-mesh_lower": "0,0",
+    "-mesh_upper": "1,1",
+    "-mesh_cells": "9,9",
+    "-material_young": "1e9",
+    "-material_density": "1000",
+    "-crack_names": "through,branch",
+    "-crack_through_points": "0,0.53,0.49,0.52,1,0.83",
+    "-crack_branch_points": "1,0.21,0.49,0.52",
+    "-output_fields": "",
+    "-quiet": "",
+}
+MOTIONS = {"above": (1e-3, 2e-3), "below": (-2e-3, -1e-3), "right": (3e-3, 0.0)}
+BOXES = {"above": "-0.1,0.9,1.1,1.1", "below": "-0.1,-0.1,1.1,0.1", "right": "0.9,0.4,1.1,0.6"}
+
+
+def body_of(x):
+    """Which of the three a place is in."""
+    above = x[1] > (0.53 - 0.01 * x[0] / 0.49 if x[0] < 0.49 else 0.52 + 0.31 * (x[0] - 0.49) / 0.51)
+    below = x[0] < 0.49 or x[1] < 0.52 - 0.31 * (x[0] - 0.49) / 0.51
+    return "above" if above else "below" if below else "right"
+
+
+def held(names):
+    options = {"-bc_names": ",".join(names)}
+    for name in names:
+        options |= {f"-bc_{name}_box": BOXES[name], f"-bc_{name}_displacement": "{},{}".format(*MOTIONS[name])}
+    return options
+
+
+class Junctions(program.ProgramTest):
+    def assert_moves_rigidly(self, run, scale=1.0):
+        _, step = fields.read_step(run.directory)
+        for block in ("mesh", "cut_cells"):
+            places, moved = step[block].points[:, :2], step[block]["displacement"][:, :2]
+            for x, u in zip(places, moved):
+                if block == "mesh" or not near_crack(x):
+                    np.testing.assert_allclose(u, scale * np.array(MOTIONS[body_of(x)]), atol=1e-10 * scale, rtol=0.0)
+        seen = {tuple(np.round(u / scale, 9)) for u in step["cut_cells"]["displacement"][:, :2]}
+        self.assertEqual(seen, set(MOTIONS.values()))  # nothing of a cut cell moves in any other way
+
+    def test_three_pieces_move_as_they_are_held(self):
+        for ranks in (1, 2):
+            run = self.solve(Y | held(MOTIONS), ranks)
+            self.assert_moves_rigidly(run)
+            self.assertLess(abs(run.summary["results"]["strain_energy"]), 1e-9)  # of some 1e3 J if they were one
+
+    def test_a_piece_that_nothing_holds_is_named(self):
+        run = self.launch(Y | held(["above", "below"]))
+        self.assertEqual(run.status, 1, run.err)
+        self.assertIn("a part of the body", run.err)
+        self.assertEqual(run.err.count("\n"), 1, run.err)
+
+    def test_pieces_fly_side_by_side(self):
+        whole = {"-bc_names": "all", "-bc_all_box": "-1,-1,2,2", "-bc_all_initial_velocity": "0.3,0.2"}
+        for analysis, steps in (("explicit", {"-ts_max_steps": "50"}), ("implicit", {"-ts_max_steps": "5", "-ts_dt": "1e-5"})):
+            run = self.solve(Y | whole | steps | {"-analysis": analysis})
+            _, step = fields.read_step(run.directory)
+            moved = np.vstack([step[block]["displacement"][:, :2] for block in ("mesh", "cut_cells")])
+            np.testing.assert_allclose(moved, np.broadcast_to(moved[0], moved.shape), atol=1e-9 * np.abs(moved).max())
+            self.assertGreater(np.abs(moved).max(), 0.0)
+
+
+def near_crack(x):
+    """Near the border of two bodies, where points of cut cells lie twice."""
+    return len({body_of(x + 0.02 * np.array([np.cos(a), np.sin(a)])) for a in np.linspace(0.1, 6.2, 16)}) > 1
+
+
+if __name__ == "__main__":
+    program.main()
