@@ -34,8 +34,8 @@ private:
 
   RunFiles& files_;
   double picture_ = 0.0, bytes_ = 0.0, staying_ = 0.0; // seconds and bytes of one set of fields
-  double solve_ = 0.0, look_ = 0.0;    // [s]
-  int steps_ = 0;                      // timed so far
+  double solve_ = 0.0, look_ = 0.0;                    // [s]
+  int steps_ = 0;                                      // timed so far
   double begin_ = 0.0, first_ = 0.0, last_ = 0.0;
 };
 } // namespace pdx::app
