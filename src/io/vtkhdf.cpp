@@ -153,7 +153,8 @@ public:
   {
     std::map<std::string, Source> tables;
     if (!block.empty())
-      for (const std::string& name : names_in(file, block)) tables.emplace(name, source_at(file, block + "/" + name));
+      for (const std::string& name : names_in(file, block))
+        tables.emplace(name, source_at(file, fmt::format("{}/{}", block, name)));
     steps_.push_back(std::move(tables));
   }
 
@@ -269,7 +270,8 @@ std::map<std::string, std::string> described(const std::filesystem::path& direct
     for (const std::string& block : blocks)
       if (const auto [at, is_new] = series.try_emplace(block); is_new)
         for (std::size_t k = 0; k < times.size(); ++k) at->second.add(file, "");
-    for (auto& [block, one] : series) one.add(file, std::ranges::count(blocks, block) ? "/" + step + "/" + block : "");
+    for (auto& [block, one] : series)
+      one.add(file, std::ranges::count(blocks, block) ? fmt::format("/{}/{}", step, block) : "");
     const Hdf5Id attribute(H5Aopen_by_name(file, step.c_str(), "time", H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
     checked(H5Aread(attribute, H5T_NATIVE_DOUBLE, &times.emplace_back()), "time");
   }

@@ -1,5 +1,6 @@
 // A row of nodes on an elastic ground: springs from node to node, springs to the ground, a force on the first node. The
-// displacement falls off by a factor a node to the next, known in closed form: that of an endless row, where it is long.
+// displacement falls off by a factor a node to the next, known in closed form: that of an endless row, where it is
+// long.
 #include <pdx/field/system.hpp>
 #include <pdx/solve/static_driver.hpp>
 
