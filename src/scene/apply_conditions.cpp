@@ -93,11 +93,11 @@ private:
   }
 
   /// Is row k, of all that are owned, of the body that a condition is for?
-  bool record::is_of(const options::BoundaryCondition& c, std::size_t k) const
+  bool is_of(const options::BoundaryCondition& c, std::size_t k) const
   {
     return c.of.empty() || d_.body_rows.names.at(static_cast<std::size_t>(d_.body_rows.of_row[k])) == c.of;
   }
-  bool record::is_of(const options::BoundaryCondition& c, const pd::Particle& p) const
+  bool is_of(const options::BoundaryCondition& c, const pd::Particle& p) const
   {
     return c.of.empty() || d_.body_rows.names.at(static_cast<std::size_t>(mesh_.body(p.cell))) == c.of;
   }
@@ -164,9 +164,9 @@ private:
         for (const Index row : particles_under(e, c.rows)) rows.insert(row);
     } else {
       for (std::size_t k = 0; k < d_.nodes.size(); ++k)
-        if (c.on.empty() && record::is_of(c, k)) add_node(d_.nodes[k], c, acts, rows);
+        if (c.on.empty() && is_of(c, k)) add_node(d_.nodes[k], c, acts, rows);
       for (std::size_t k = 0; k < d_.particles.size(); ++k)
-        if (record::is_of(c, d_.particles[k]) &&
+        if (is_of(c, d_.particles[k]) &&
             (c.layer ? in_layer(c, d_.particles[k].x) : inside(c, d_.particles[k].x)))
           rows.insert(d_.system.rows.first_particle() + static_cast<Index>(k));
     }
@@ -235,7 +235,7 @@ private:
     }
     if (d_.point_plan) weigh_points(c, reached);
     for (std::size_t k = 0; k < d_.particles.size(); ++k) {
-      if (!record::is_of(c, d_.particles[k])) continue;
+      if (!is_of(c, d_.particles[k])) continue;
       const double dx = plan_.shapes[static_cast<std::size_t>(d_.particles[k].patch)].lattice.dx;
       add(d_.system.rows.first_particle() + static_cast<Index>(k),
           dx * dx * options_.elastic.thickness * density(d_.particles[k].x));

@@ -41,7 +41,7 @@ public:
 
 private:
   const mpm::Body<Dim>& body_at(Index b) const { return body_.plan.bodies[static_cast<std::size_t>(b)]; }
-  bool record::is_of(const options::BoundaryCondition& c, Index b) const
+  bool is_of(const options::BoundaryCondition& c, Index b) const
   {
     return c.of.empty() || body_at(b).name == c.of;
   }
@@ -81,13 +81,13 @@ private:
   {
     if (!c.on.empty())
       for (std::size_t b = 0; b < body_.plan.bodies.size(); ++b)
-        if (record::is_of(c, static_cast<Index>(b))) require_line(c, named_side<Dim>(c), static_cast<Index>(b));
+        if (is_of(c, static_cast<Index>(b))) require_line(c, named_side<Dim>(c), static_cast<Index>(b));
     std::set<Index> rows;
     for (std::size_t row = 0; row < body_.grid.place.size(); ++row) {
       const Index b = body_.grid.body[row];
       const Vector<Dim>& x = body_.grid.place[row];
       const double dx = body_at(b).material.spacing;
-      if (!record::is_of(c, b) || !in_box(c, x, dx)) continue;
+      if (!is_of(c, b) || !in_box(c, x, dx)) continue;
       if (!c.on.empty()) {
         const SideOfBody on = named_side<Dim>(c);
         if (std::abs(x[static_cast<Eigen::Index>(on.axis)] - side(on, b)) > kOnLine * dx) continue;
@@ -122,7 +122,7 @@ private:
   {
     bool any = false;
     for (const auto& cell : body_.grid.cells) {
-      if (!record::is_of(c, cell.body)) continue;
+      if (!is_of(c, cell.body)) continue;
       const mpm::Body<Dim>& of = body_at(cell.body);
       mpm::for_each_point(of.points_in(cell.at), [&](int site) {
         const Vector<Dim> x = of.place(cell.at, site);
@@ -141,7 +141,7 @@ private:
     const auto axis = static_cast<Eigen::Index>(on.axis);
     bool any = false;
     for (const auto& cell : body_.grid.cells) {
-      if (!record::is_of(c, cell.body)) continue;
+      if (!is_of(c, cell.body)) continue;
       const mpm::Body<Dim>& of = body_at(cell.body);
       const double dx = of.material.spacing;
       mpm::for_each_point(of.points_in(cell.at), [&](int site) {

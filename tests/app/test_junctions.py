@@ -3,11 +3,9 @@
 Usage: test_junctions.py PDXSOLVE [unittest arguments]; environment as for test_bad_input.py.
 """
 
-import program
-
-import fields
-
 import numpy as np
+import program
+from program import pdxtools
 
 # A plate of 9 x 9 elements, cut into three by a Y: above, below and on the right.
 Y = {
@@ -43,7 +41,7 @@ def held(names):
 
 class Junctions(program.ProgramTest):
     def assert_moves_rigidly(self, run, scale=1.0):
-        _, step = fields.read_step(run.directory)
+        _, step = pdxtools.read_step(run.directory)
         for block in ("mesh", "cut_cells"):
             places, moved = step[block].points[:, :2], step[block]["displacement"][:, :2]
             for x, u in zip(places, moved):
@@ -68,7 +66,7 @@ class Junctions(program.ProgramTest):
         whole = {"-bc_names": "all", "-bc_all_box": "-1,-1,2,2", "-bc_all_initial_velocity": "0.3,0.2"}
         for analysis, steps in (("explicit", {"-ts_max_steps": "50"}), ("implicit", {"-ts_max_steps": "5", "-ts_dt": "1e-5"})):
             run = self.solve(Y | whole | steps | {"-analysis": analysis})
-            _, step = fields.read_step(run.directory)
+            _, step = pdxtools.read_step(run.directory)
             moved = np.vstack([step[block]["displacement"][:, :2] for block in ("mesh", "cut_cells")])
             np.testing.assert_allclose(moved, np.broadcast_to(moved[0], moved.shape), atol=1e-9 * np.abs(moved).max())
             self.assertGreater(np.abs(moved).max(), 0.0)

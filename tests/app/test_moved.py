@@ -95,7 +95,7 @@ class Moved(program.ProgramTest):
     def test_fields_lie_where_the_body_is(self):
         vector = VECTORS[0]
         here, there = (
-            program.fields.read_step(self.solve(options | {"-output_fields": ""}).directory)[1]
+            program.pdxtools.read_step(self.solve(options | {"-output_fields": ""}).directory)[1]
             for options in (TIP, moved(TIP, vector))
         )
         for block in here:
