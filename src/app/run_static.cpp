@@ -181,7 +181,7 @@ private:
     return true;
   }
 
-  void record::write_checkpoint(const solve::LoadPath& path)
+  void write_checkpoint(const solve::LoadPath& path)
   {
     checkpoints_.write({standing(), layout_, dormant_, path, driver_->report(), recorder_, u_.get(), load_});
   }
@@ -215,7 +215,7 @@ private:
             load_ = step.load;
             if (mover_.watches())
               files_.warn(mover_.border(d_->view(ground_->mesh), ground_->plan, d_->fracture->broken()));
-            if (checkpoints_.due(step.number, path.done())) record::write_checkpoint(path);
+            if (checkpoints_.due(step.number, path.done())) write_checkpoint(path);
             return change_due(step.number, path) ? Verdict::relayout : Verdict::go_on;
           },
           &open_);
@@ -223,7 +223,7 @@ private:
       recorder_.count(driver_->report());
       files_.after_failure([&] {
         recorder_.stopped_at(u_.get());
-        if (checkpoints_.asked() && driver_->report().steps > 0) record::write_checkpoint(path);
+        if (checkpoints_.asked() && driver_->report().steps > 0) write_checkpoint(path);
       });
       throw;
     } catch (const UserError& loose) { // the steps that were accepted stay
@@ -238,7 +238,7 @@ private:
       std::string words = fmt::format("{} after {} load step{}: results are those of the last of them", stop.what(),
                                       steps, steps == 1 ? "" : "s");
       if (steps > 0) {
-        record::write_checkpoint(path);
+        write_checkpoint(path);
         words +=
             fmt::format("; checkpoint written to {}; go on with -restart {}", checkpoints_.file(), checkpoints_.file());
       }

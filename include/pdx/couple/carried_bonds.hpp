@@ -132,6 +132,8 @@ private:
   mutable std::vector<CarriedLanes<Dim>> lanes_; // of other bonds from a row to few rows
   std::vector<std::size_t> others_;              // numbers of those in neither
   mutable std::int64_t lanes_revision_ = -1;     // that lanes know
+  mutable std::vector<std::pair<Index, pd::BondedVolume>> volumes_; // at the outer ends, by row of the particle
+  mutable std::int64_t volumes_revision_ = -1;                      // that they know
   Processor processor_ = chosen_processor();
 };
 } // namespace pdx::couple
