@@ -8,7 +8,7 @@
 namespace pdx::app {
 namespace {
 constexpr double kTooDeep = 1.0 / 3.0; // of the distance at which points touch
-constexpr double kTooFast = 0.25; // likewise, a step
+constexpr double kTooFast = 0.25;      // likewise, a step
 } // namespace
 
 std::vector<std::string> ContactWatch::look(MPI_Comm comm, const Model& model)
