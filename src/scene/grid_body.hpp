@@ -17,6 +17,7 @@ template <int Dim> struct GridBody final : PointBody<Dim> {
   GridBody(const options::SceneOptions& options, const PointPlan<Dim>& plan, const mesh::Mesh& mesh);
 
   post::Energies energies(std::span<const double> local) const override;
+  Model::Tiles cells_of_points() const override { return {}; } ///< its cells keep no points
   field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const override;
   std::vector<io::Column> more_columns() const override;
   void add_more(std::span<const double> local, std::span<const double> velocity,
