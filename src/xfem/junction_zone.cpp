@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 #include <map>
-#include <set>
 
 namespace pdx::xfem {
 namespace {
@@ -110,21 +110,20 @@ void JunctionZone::find_nodes(std::span<const CellCut> cuts)
 
 void JunctionZone::refuse_patches(const geom::Frame& frame) const
 {
-  struct Place {
-    Index natural;
-    std::array<double, 2> at;
-  };
-  std::vector<Place> mine;
-  for (Index c = 0; c < mesh_.owned_cells() && !nodes_.empty(); ++c)
+  if (nodes_.empty()) return;
+  Index first = mesh_.global_vertices();
+  for (Index c = 0; c < mesh_.owned_cells(); ++c)
     for (const Index v : mesh_.cell(c))
-      if (!is_element(mesh_, c) && has_node(v))
-        mine.push_back({mesh_.natural_vertex(v), {mesh_.point(v).x(), mesh_.point(v).y()}});
-  const std::vector<Place> all = gather_all(mesh_.comm(), mine);
-  if (all.empty()) return;
-  const Place first = *std::ranges::min_element(all, {}, &Place::natural);
+      if (!is_element(mesh_, c) && has_node(v)) first = std::min(first, mesh_.natural_vertex(v));
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, mesh_.comm());
+  if (first == mesh_.global_vertices()) return;
+  Vector<2> at = Vector<2>::Constant(std::numeric_limits<double>::lowest());
+  for (Index v = 0; v < mesh_.vertices(); ++v)
+    if (mesh_.natural_vertex(v) == first) at = mesh_.point(v);
+  MPI_Allreduce(MPI_IN_PLACE, at.data(), 2, MPI_DOUBLE, MPI_MAX, mesh_.comm());
   throw UserError(fmt::format("an element that several cracks cut touches a patch at {}: leave one row of elements "
                               "between them, or put the patch over it",
-                              frame.text({first.at[0], first.at[1]})));
+                              frame.text(at)));
 }
 
 bool JunctionZone::has_node(Index vertex) const

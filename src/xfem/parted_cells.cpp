@@ -8,8 +8,8 @@
 namespace pdx::xfem {
 namespace {
 constexpr double kRounding = 1e-12; // of a cell: what is nearer to a crack is on it
-constexpr double kStarClear = 1e-6; // of a cell, that a place where cracks meet keeps from its border
-constexpr double kInside = 0.02;    // of the crack it ends on, that an end keeps from the border of the cell
+constexpr double kStarClear = 1e-9; // of a cell, that a place where cracks meet keeps from its border
+constexpr double kInside = 1e-4;    // of the crack it ends on, that an end keeps from the border of the cell
 
 double cross_product(const Vector<2>& a, const Vector<2>& b) { return a.x() * b.y() - a.y() * b.x(); }
 

@@ -6,6 +6,7 @@ Usage: test_junctions.py PDXSOLVE [unittest arguments]; environment as for test_
 import numpy as np
 import program
 from program import pdxtools
+from torn import checkpoint
 
 # A plate of 9 x 9 elements, cut into three by a Y: above, below and on the right.
 Y = {
@@ -61,6 +62,29 @@ class Junctions(program.ProgramTest):
         self.assertEqual(run.status, 1, run.err)
         self.assertIn("a part of the body", run.err)
         self.assertEqual(run.err.count("\n"), 1, run.err)
+
+    def test_loads_reach_every_piece(self):
+        held = {"-bc_names": "a,b,c,r"}
+        for name, box in (("a", "-0.1,0.9,0.3,1.1"), ("b", "-0.1,-0.1,1.1,0.1"), ("c", "0.7,0.4,0.9,0.6")):
+            held |= {f"-bc_{name}_box": box, f"-bc_{name}_displacement": "0,0"}
+        for load in ({"-bc_r_on": "right", "-bc_r_traction": "1e6,2e5"},  # a side that two cracks part
+                     {"-bc_r_box": "-1,-1,2,2", "-bc_r_body": "1e6,2e5"},
+                     {"-bc_r_on": "right", "-bc_r_traction": "1e6,2e5", "-kinematics": "finite"}):  # fmt: skip
+            run = self.solve(Y | held | load)
+            reaction = np.sum(list(run.summary["results"]["reaction"].values()), axis=0)
+            np.testing.assert_allclose(reaction, (-1e6, -2e5), rtol=1e-8)  # side and area are 1
+
+    def test_a_restart_goes_on(self):
+        pulled = Y | {"-analysis": "explicit", "-bc_names": "t,b", "-bc_t_on": "top", "-bc_t_traction": "0,1e6",
+                      "-bc_b_on": "bottom", "-bc_b_displacement": "free,0", "-output_fields": None}  # fmt: skip
+        whole = self.solve(pulled | {"-ts_max_steps": "60", "-checkpoint_interval": "60"})
+        half = self.solve(pulled | {"-ts_max_steps": "30", "-checkpoint_interval": "30"})
+        go_on = {"-restart": str(half.directory / "checkpoint.h5"), "-ts_max_steps": "60", "-checkpoint_interval": "60"}
+        rest = self.solve(pulled | go_on, 2)
+        (a, _), (b, _) = checkpoint(whole.directory), checkpoint(rest.directory)
+        np.testing.assert_array_equal(a["row_names"], b["row_names"])
+        for name in ("displacement", "velocity"):
+            self.assertLess(np.abs(a[name] - b[name]).max(), 1e-10 * np.abs(a[name]).max(), name)
 
     def test_pieces_fly_side_by_side(self):
         whole = {"-bc_names": "all", "-bc_all_box": "-1,-1,2,2", "-bc_all_initial_velocity": "0.3,0.2"}

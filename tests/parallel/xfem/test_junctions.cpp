@@ -127,8 +127,8 @@ TEST(Junctions, MassOfEachBodyIsExact)
   std::uniform_real_distribution<double> place(0.2, 0.8);
   int whole = 0, ranks = 1;
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  const int wanted = ranks == 1 ? 200 : 40;
-  for (int number = 0; number < 2 * wanted && whole < wanted; ++number) {
+  const int tries = ranks == 1 ? 200 : 60;
+  for (int number = 0; number < tries; ++number) {
     const Kind kind = std::array{Kind::y, Kind::t, Kind::x}[static_cast<std::size_t>(number % 3)];
     Vector<2> middle(place(random), place(random));
     if (number % 3 == 0) middle.x() = 0.5 + 1e-3 * (place(random) - 0.5); // near an edge
@@ -155,7 +155,7 @@ TEST(Junctions, MassOfEachBodyIsExact)
     for (std::size_t k = 0; k < areas.size(); ++k)
       EXPECT_NEAR(of_body[k], areas[k], 1e-12) << "number " << number << ", body " << k;
   }
-  EXPECT_EQ(whole, wanted);
+  EXPECT_GT(whole, tries / 2);
 }
 
 TEST(Junctions, BodiesMoveRigidlyWithoutForce)
