@@ -166,8 +166,7 @@ private:
       for (std::size_t k = 0; k < d_.nodes.size(); ++k)
         if (c.on.empty() && is_of(c, k)) add_node(d_.nodes[k], c, acts, rows);
       for (std::size_t k = 0; k < d_.particles.size(); ++k)
-        if (is_of(c, d_.particles[k]) &&
-            (c.layer ? in_layer(c, d_.particles[k].x) : inside(c, d_.particles[k].x)))
+        if (is_of(c, d_.particles[k]) && (c.layer ? in_layer(c, d_.particles[k].x) : inside(c, d_.particles[k].x)))
           rows.insert(d_.system.rows.first_particle() + static_cast<Index>(k));
     }
     if (!any_rank(mesh_.comm(), !rows.empty()))

@@ -41,10 +41,7 @@ public:
 
 private:
   const mpm::Body<Dim>& body_at(Index b) const { return body_.plan.bodies[static_cast<std::size_t>(b)]; }
-  bool is_of(const options::BoundaryCondition& c, Index b) const
-  {
-    return c.of.empty() || body_at(b).name == c.of;
-  }
+  bool is_of(const options::BoundaryCondition& c, Index b) const { return c.of.empty() || body_at(b).name == c.of; }
   bool in_box(const options::BoundaryCondition& c, const Vector<Dim>& x, double dx) const
   {
     return !c.box || c.box->contains(x.template head<2>(), kOnLine * dx);
