@@ -60,11 +60,11 @@ template <class Body> int reported(Body&& body)
   } catch (const pdx::SolverFailure& e) {
     return report(e.what(), solver_failed);
   } catch (const std::bad_alloc&) {
-    (void)record::LastWords::say(pdx::memory_ran_out());
+    (void)pdx::record::LastWords::say(pdx::memory_ran_out());
   } catch (const std::exception& e) {
-    (void)record::LastWords::say(e.what());
+    (void)pdx::record::LastWords::say(e.what());
   }
-  return record::LastWords::end();
+  return pdx::record::LastWords::end();
 }
 
 /// Why PETSc does not start or end, "" if it does: the value of one of its options as a rule.
@@ -85,30 +85,30 @@ std::string end_petsc()
   return PetscFinalize() ? pdx::take_petsc_message() + std::string(pdx::kPetscValue) : "";
 }
 
-void tell(const options::Arguments& arguments)
+void tell(const pdx::options::Arguments& arguments)
 {
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  const std::string text = !arguments.help  ? options::version_text()
-                           : arguments.json ? options::help_json()
-                                            : options::help_text(arguments.help_words);
+  const std::string text = !arguments.help  ? pdx::options::version_text()
+                           : arguments.json ? pdx::options::help_json()
+                                            : pdx::options::help_text(arguments.help_words);
   if (rank == 0) std::fputs(text.c_str(), stdout);
 }
 
-int run_program(const options::Arguments& arguments)
+int run_program(const pdx::options::Arguments& arguments)
 {
   if (!arguments.error.empty()) return report(arguments.error, user_error);
-  if (const int code = reported(options::hand_options_to_petsc)) return code;
+  if (const int code = reported(pdx::options::hand_options_to_petsc)) return code;
   if (const std::string fault = start_petsc(); !fault.empty()) return report(fault, user_error);
   const pdx::StopSignals signals; // again, for PETSc has handlers of its own
-  record::LastWords::prepare(PETSC_COMM_WORLD);
+  pdx::record::LastWords::prepare(PETSC_COMM_WORLD);
   const double begin = MPI_Wtime();
   const int code = reported([&] {
     if (arguments.help || arguments.version) return tell(arguments);
-    app::run(PETSC_COMM_WORLD, begin);
+    pdx::app::run(PETSC_COMM_WORLD, begin);
   });
   const std::string late = end_petsc();
-  record::LastWords::spare();
+  pdx::record::LastWords::spare();
   return late.empty() ? code : report_alone(late, code == done ? user_error : static_cast<Exit>(code));
 }
 } // namespace
@@ -134,7 +134,7 @@ int main(int argc, char** argv)
   const pdx::StopSignals signals;
   int threads = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &threads);
-  const int code = run_program(options::read_arguments(MPI_COMM_WORLD, argc, argv));
+  const int code = run_program(pdx::options::read_arguments(MPI_COMM_WORLD, argc, argv));
   MPI_Finalize();
   return code;
 }

@@ -27,7 +27,7 @@ bool has_all(const OptionDoc& doc, const std::string& words)
   return true;
 }
 
-std::string scene::described(const OptionDoc& doc)
+std::string described(const OptionDoc& doc)
 {
   return fmt::format("  {:<28} {}{}\n{:31}default {}; {}\n", doc.name, doc.help,
                      doc.unit.empty() ? "" : " [" + doc.unit + "]", "", doc.default_value, doc.allowed);
@@ -47,7 +47,7 @@ std::string help_text(std::string_view words)
   for (const OptionDoc& doc : all_options()) {
     if (!has_all(doc, wanted)) continue;
     if (doc.room != room) list += fmt::format("\n{}\n", room = doc.room);
-    list += scene::described(doc);
+    list += described(doc);
   }
   if (list.empty()) {
     const std::string near = nearest_option("-" + wanted);

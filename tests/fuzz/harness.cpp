@@ -32,7 +32,7 @@ void clear_options()
 /// PETSc's own options go where a run looks for them; those that only work before it starts have no effect here.
 void read_options(const std::vector<std::string>& words)
 {
-  options::OptionReader reader;
+  pdx::options::OptionReader reader;
   reader.read_command_line(words);
   for (pdx::GivenOption& option : reader.take()) {
     PDX_CALL(PetscOptionsSetValue(nullptr, option.name.c_str(), option.value.empty() ? nullptr : option.value.c_str()));
@@ -47,7 +47,7 @@ Outcome run(const std::vector<std::string>& words)
   try {
     clear_options();
     read_options(words);
-    app::run(PETSC_COMM_WORLD, MPI_Wtime());
+    pdx::app::run(PETSC_COMM_WORLD, MPI_Wtime());
     return {};
   } catch (const pdx::UserError& e) {
     return told(1, e);
@@ -92,7 +92,7 @@ int main(int argc, char** argv)
   if (argc != 3) return 1;
   if (PetscInitializeNoArguments()) return 3;
   pdx::install_quiet_error_handler();
-  record::LastWords::prepare(PETSC_COMM_WORLD);
+  pdx::record::LastWords::prepare(PETSC_COMM_WORLD);
   const int code = run_all(argv[1], std::strtoul(argv[2], nullptr, 10));
   (void)PetscOptionsClear(nullptr);
   (void)PetscFinalize();

@@ -121,7 +121,7 @@ TEST(EnrichedKernel, WithoutEnrichedCornersItIsThePlainElement)
     EXPECT_LT((xfem::enriched_tangent(element, d, kPlate, Kinematics::small) - plain).norm(), 1e-13 * plain.norm());
   }
   for (const Kinematics kinematics : kBoth) { // a whole cell has the plain element's own points
-    const xfem::EnrichedElement whole{xfem::whole_cell(kDistorted, Side::minus), {}, {}};
+    const xfem::EnrichedElement whole{xfem::whole_cell(kDistorted, Side::minus), {}, {}, {}};
     const auto force = fem::element_force(kDistorted, d, kPlate, kinematics);
     EXPECT_LT((xfem::enriched_force(whole, d, kPlate, kinematics) - force).norm(), 1e-14 * force.norm());
   }

@@ -66,8 +66,8 @@ public:
       lost += copied.lost;
       for (const NodeCopy& copy : copied.copies) add(copied.node, copy.code, copy.side, copy.at);
     }
-    for (const NodeSupport& node : enrichment.nodes)
-      if (!zone.contains(node.node)) add(node.node, node.crack, node.side, across(node));
+    for (const NodeSupport& support : enrichment.nodes)
+      if (!zone.contains(support.node)) add(support.node, support.crack, support.side, across(support));
     lost += static_cast<int>(enrichment.dropped.size());
   }
 
@@ -193,7 +193,7 @@ private:
   /// As `EnrichedSets` finds them.
   std::vector<PieceCut> all_cuts(double tolerance) const
   {
-    std::vector<PieceCut> cuts;
+    std::vector<PieceCut> found_cuts;
     for (int k = 0; k < cracks_.size(); ++k) {
       const crack::Cuts found = crack::find_cuts(cracks_, k, {points, cells}, tolerance);
       for (const crack::CutCell& cell : found.cells) {
@@ -207,11 +207,11 @@ private:
           cut.other = junction->other;
           cut.end = junction->at;
         }
-        cuts.push_back(cut);
+        found_cuts.push_back(cut);
       }
     }
-    std::ranges::stable_sort(cuts, {}, &PieceCut::cell);
-    return cuts;
+    std::ranges::stable_sort(found_cuts, {}, &PieceCut::cell);
+    return found_cuts;
   }
 
   crack::CrackSet cracks_;
