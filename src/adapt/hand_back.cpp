@@ -30,12 +30,7 @@ public:
     const field::Rows& rows = scene.halo.rows();
     scene.halo.fetch(is_new, 1, is_asked_);
     std::vector<double> loose(is_new.size(), 0.0); // of cut elements, and the only row of their node there
-    for (const xfem::CutElement& cut : scene.sets ? scene.sets->cells() : std::span<const xfem::CutElement>())
-      for (std::size_t a = 0; a < 4; ++a) {
-        const PetscInt row = scene.node_rows[static_cast<std::size_t>(scene.mesh.cell(cut.cell)[a])] - rows.first;
-        const bool has_none = cut.piece ? scene.sets->of(scene.mesh.cell(cut.cell)[a]).empty() : cut.sets[a] < 0;
-        if (has_none && row >= 0 && row < rows.nodes) loose[static_cast<std::size_t>(row)] = 1.0;
-      }
+    if (scene.sets) note_loose_nodes(*scene.sets, loose);
     std::fill_n(loose.begin() + rows.nodes, rows.enriched, 1.0);
     std::vector<double> of_cracks;
     scene.halo.fetch(loose, 1, of_cracks);
@@ -69,6 +64,18 @@ public:
   }
 
 private:
+  void note_loose_nodes(const xfem::EnrichedSets& sets, std::span<double> loose) const
+  {
+    const field::Rows& rows = scene_.halo.rows();
+    for (const xfem::CutElement& cut : sets.cells())
+      for (std::size_t a = 0; a < 4; ++a) {
+        const Index vertex = scene_.mesh.cell(cut.cell)[a];
+        const PetscInt row = scene_.node_rows[static_cast<std::size_t>(vertex)] - rows.first;
+        const bool has_none = cut.piece ? sets.of(vertex).empty() : cut.sets[a] < 0;
+        if (has_none && row >= 0 && row < rows.nodes) loose[static_cast<std::size_t>(row)] = 1.0;
+      }
+  }
+
   std::size_t local(PetscInt row) const { return static_cast<std::size_t>(scene_.halo.local(row)); }
   bool is_asked(PetscInt row) const { return is_asked_[local(row)] > 0.0; }
 

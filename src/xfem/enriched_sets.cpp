@@ -2,6 +2,7 @@
 
 #include "junction_zone.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/base/run_of.hpp"
 #include "pdx/crack/cut_cells.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 
@@ -217,7 +218,7 @@ void EnrichedSets::keep_pieces(const JunctionZone& zone, std::span<const CellCut
 {
   for (Index c = 0; c < mesh_.cells(); ++c) {
     if (!zone.has_cell(c)) continue;
-    const auto of_cell = std::ranges::equal_range(cuts, c, {}, &CellCut::cell);
+    const auto of_cell = run_of(cuts, c, &CellCut::cell);
     for (const Piece& piece : zone.pieces(c)) {
       CutElement cut{.cell = c, .crack = 0, .snapped = {}, .distance = {}, .element = {}};
       if (!of_cell.empty()) {
@@ -291,11 +292,7 @@ const CutElement* EnrichedSets::cut(Index cell) const
   return at != cells_.end() && at->cell == cell ? &*at : nullptr;
 }
 
-std::span<const CutElement> EnrichedSets::all_of(Index cell) const
-{
-  const auto range = std::ranges::equal_range(cells_, cell, {}, &CutElement::cell);
-  return {range.begin(), range.end()};
-}
+std::span<const CutElement> EnrichedSets::all_of(Index cell) const { return run_of(cells_, cell, &CutElement::cell); }
 
 std::pair<const CutElement*, Side> EnrichedSets::at(Index cell, const Vector<2>& x) const
 {

@@ -1,6 +1,7 @@
 #include "junction_zone.hpp"
 
 #include "pdx/base/gather.hpp"
+#include "pdx/base/run_of.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -47,7 +48,7 @@ void add_nodes(const mesh::Mesh& mesh, Index cell, std::vector<Index>& nodes)
 
 template <class Records> auto of_cell(const Records& records, Index cell)
 {
-  return std::ranges::equal_range(records, cell, {}, [](const auto& record) { return record.cell; });
+  return run_of(records, cell, [](const auto& record) { return record.cell; });
 }
 } // namespace
 

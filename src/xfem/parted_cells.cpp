@@ -117,7 +117,7 @@ const PartedCell::Chord* PartedCell::chord_of(int crack) const
 }
 
 /// Divides parts along a chord, all of them or those on one side of another crack.
-void PartedCell::divide(const Chord& chord, Vector<2> to_plus, const std::pair<int, Side>* within)
+void PartedCell::divide(const Chord& chord, const Vector<2>& to_plus, const std::pair<int, Side>* within)
 {
   Vector<2> normal = Vector<2>(chord.from.y() - chord.to.y(), chord.to.x() - chord.from.x()).normalized();
   if (normal.dot(to_plus) < 0.0) normal = -normal;
@@ -277,7 +277,7 @@ bool PartedCell::pair(std::vector<const PieceCut*>& ends)
       best = {a, b};
     }
   if (!best.first) return false;
-  const auto [a, b] = best;
+  const PieceCut *const a = best.first, *const b = best.second;
   const Vector<2> along = on_edge(a->entry, 1.0) - on_edge(a->entry, 0.0);
   const Chord chord{a->crack, crossing_of(*a, a->entry), crossing_of(*b, b->entry)};
   divide(chord, side_on_edge(*a, a->entry, 1.0) == Side::plus ? along : Vector<2>(-along), nullptr);

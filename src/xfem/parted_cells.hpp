@@ -50,7 +50,7 @@ private:
   bool end_on(const PieceCut& cut);
   bool pair(std::vector<const PieceCut*>& ends);
   bool star(const std::vector<const PieceCut*>& ends);
-  void divide(const Chord& chord, Vector<2> to_plus, const std::pair<int, Side>* within);
+  void divide(const Chord& chord, const Vector<2>& to_plus, const std::pair<int, Side>* within);
 
   Index cell_;
   fem::Corners corners_;

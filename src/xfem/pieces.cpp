@@ -2,6 +2,7 @@
 
 #include "parted_cells.hpp"
 #include "pdx/base/joined.hpp"
+#include "pdx/base/run_of.hpp"
 #include "pdx/mesh/locate.hpp"
 
 #include <algorithm>
@@ -69,9 +70,9 @@ public:
       : view_(view), least_share_(least_share), cracks_(cracks)
   {
     for (const Index c : view.active) {
-      const auto [first, last] = std::ranges::equal_range(cuts, c, {}, &PieceCut::cell);
-      cells_.emplace_back(c, view.corners(c), std::span<const PieceCut>(first, last));
-      if (last - first < 2) continue;
+      const std::span<const PieceCut> of_cell = run_of(cuts, c, &PieceCut::cell);
+      cells_.emplace_back(c, view.corners(c), of_cell);
+      if (of_cell.size() < 2) continue;
       for (const Index node : nodes_of(c)) around_[node];
     }
     for (std::size_t k = 0; k < cells_.size(); ++k)

@@ -48,7 +48,7 @@ class StaticRestart(program.ProgramTest):
                                    text=True, cwd=program.ROOT)  # fmt: skip
         while process.poll() is None and self.step_of(directory) < step:
             time.sleep(0.002)
-        shutil.copytree(directory, copy)
+        shutil.copytree(directory, copy, ignore=shutil.ignore_patterns("*.part"))  # which comes and goes
         out, err = process.communicate()
         self.assertEqual(process.returncode, 0, err)
         return program.Run(0, out, err, directory), copy
