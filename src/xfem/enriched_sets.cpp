@@ -11,7 +11,8 @@
 
 namespace pdx::xfem {
 namespace {
-constexpr double kTolerance = 1e-9; // of the smallest edge
+constexpr double kTolerance = 1e-9;                 // of the smallest edge
+constexpr double kOnEdge = 2e-11, kNearEdge = 1e-6; // of the diagonal of an element: between them is near an edge
 
 double smallest_edge(const mesh::Mesh& mesh)
 {
@@ -147,6 +148,33 @@ std::vector<Vector<2>> closed_tips(const mesh::Mesh& mesh, const crack::CrackSet
   for (const std::size_t t : all) places.push_back(cracks.tips()[t].at);
   return places;
 }
+/// How far x is inside a cell, as a share of its diagonal; below 0 outside.
+double share_inside(const mesh::Mesh& mesh, Index cell, const Vector<2>& x)
+{
+  const auto corners = mesh.corners(cell);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vector<2> along = (corners[(k + 1) % 4] - corners[k]).normalized(), to = x - corners[k];
+    least = std::min(least, along.x() * to.y() - along.y() * to.x());
+  }
+  return least / (corners[2] - corners[0]).norm();
+}
+
+std::vector<Vector<2>> meetings_near_edges(const mesh::Mesh& mesh, const crack::CrackSet& cracks)
+{
+  std::vector<std::size_t> mine;
+  for (std::size_t k = 0; k < cracks.junctions().size(); ++k)
+    for (Index c = 0; c < mesh.owned_cells(); ++c) {
+      const double inside = share_inside(mesh, c, cracks.junctions()[k].at);
+      if (inside > kOnEdge && inside < kNearEdge && mesh.use(c) == mesh::Use::cut) mine.push_back(k);
+    }
+  std::vector<std::size_t> all = gather_all(mesh.comm(), mine);
+  std::ranges::sort(all);
+  std::vector<Vector<2>> places;
+  for (const std::size_t k : all)
+    if (std::ranges::find(places, cracks.junctions()[k].at) == places.end()) places.push_back(cracks.junctions()[k].at);
+  return places;
+}
 } // namespace
 
 EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, const EnrichmentRule& rule,
@@ -169,6 +197,7 @@ EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, cons
     if (k == 0 || cells_[k].cell != cells_[k - 1].cell) mesh.cut(cells_[k].cell);
   count(enrichment, zone);
   report_.closed = closed_tips(mesh, cracks, found.tips);
+  report_.near = meetings_near_edges(mesh, cracks);
 }
 
 void EnrichedSets::keep_sets(const Enrichment& enrichment, const JunctionZone& zone)
@@ -251,7 +280,7 @@ void EnrichedSets::count(const Enrichment& enrichment, const JunctionZone& zone)
   std::array<Index, 3> sum{owned_cells, owned(),
                            given_up + static_cast<Index>(std::ranges::count_if(enrichment.dropped, lost))};
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_INT, MPI_SUM, mesh_.comm());
-  report_ = {sum[0], sum[1], sum[2], {}};
+  report_ = {sum[0], sum[1], sum[2], {}, {}};
 }
 
 EnrichedSet* EnrichedSets::find(Index vertex, int crack)

@@ -63,6 +63,15 @@ class Junctions(program.ProgramTest):
         self.assertIn("a part of the body", run.err)
         self.assertEqual(run.err.count("\n"), 1, run.err)
 
+    def test_a_meeting_that_all_but_lies_on_an_edge_is_told(self):
+        # Of 12 x 12 elements an edge is at x = 0.25; what is nearer than rounding is on it.
+        for beside, told in (("0.2500000001", 1), ("0.250000000001", 0), ("0.26", 0)):
+            cracks = {"-mesh_cells": "12,12", "-crack_through_points": f"0,0.62,{beside},0.49,1,0.4",
+                      "-crack_branch_points": f"0.05,0,{beside},0.49"}
+            run = self.launch(Y | cracks | {"-bc_names": "low,high", "-bc_low_on": "bottom", "-bc_low_displacement": "0,0",
+                                            "-bc_high_on": "top", "-bc_high_displacement": "0,1e-3"})
+            self.assertEqual(run.err.count("so near to the border of an element"), told, run.err)
+
     def test_loads_reach_every_piece(self):
         held = {"-bc_names": "a,b,c,r"}
         for name, box in (("a", "-0.1,0.9,0.3,1.1"), ("b", "-0.1,-0.1,1.1,0.1"), ("c", "0.7,0.4,0.9,0.6")):

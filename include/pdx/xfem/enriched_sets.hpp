@@ -33,6 +33,9 @@ struct CutReport {
   Index cells = 0, sets = 0;
   Index dropped = 0;             ///< nodes left without a set because a side has too little of their support
   std::vector<Vector<2>> closed; ///< tips that end in elements: the crack closes at the last cut edge before them [m]
+  /// Places where cracks meet so near to the border of an element, and not on it, that what they part may stay joined;
+  /// each once, by junctions [m].
+  std::vector<Vector<2>> near;
 };
 
 /// Which cells of a distributed mesh the cracks cut, and which enriched sets its nodes have [XPD1 Eqs. 10-12]. The
