@@ -4,7 +4,7 @@ import subprocess
 import time
 
 import program
-from torn import TABLES, checkpoint, results
+from torn import BEAM, TABLES, checkpoint, results
 
 import h5py
 import numpy as np
@@ -55,16 +55,6 @@ TURNS = {"-layout_renew_interval": "20", "-layout_renew_box": "0.625,0.375,1,0.7
 HEALED = LARGE | {"-layout_renew_interval": "440", "-layout_renew_box": "0.008,-0.001,0.012,0.001", "-ts_max_steps": "460"}
 # Cells along the crack become elements and particles again, with all that broke in them.
 TURNED = LARGE | {"-layout_renew_interval": "60", "-layout_renew_box": "0.007,-0.003,0.015,0.003", "-ts_max_steps": "500"}
-# The double cantilever beam up to six tenths of its load, whose crack grows by far within loads.
-BEAM = {
-    "-options_file": "cases/dcb/smoke.opts",
-    "-bc_top_displacement": "0,0.9e-6",
-    "-bc_bottom_displacement": "0,-0.9e-6",
-    "-load_steps": "6",
-    "-output_fields": "false",
-    "-output_history": "",
-    "-quiet": "",
-}
 SHORT = BEAM | {"-pd_patches": "0.2e-3,0.15e-3,0.4e-3,0.30e-3", "-adapt": "expand"}
 
 

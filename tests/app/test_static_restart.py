@@ -5,21 +5,12 @@ import subprocess
 import time
 
 import program
+import torn
 from torn import checkpoint
 
 import numpy as np
 
-# The double cantilever beam up to six tenths of its load, whose crack grows by far within loads.
-BEAM = {
-    "-options_file": "cases/dcb/smoke.opts",
-    "-bc_top_displacement": "0,0.9e-6",
-    "-bc_bottom_displacement": "0,-0.9e-6",
-    "-load_steps": "6",
-    "-output_fields": "false",
-    "-output_history": "",
-    "-quiet": "",
-    "-checkpoint_interval": "1",
-}
+BEAM = torn.BEAM | {"-checkpoint_interval": "1"}
 SHORT = {"-bc_top_displacement": "0,0.75e-6", "-bc_bottom_displacement": "0,-0.75e-6", "-load_steps": "5"}
 SNAIL = BEAM | {"-pd_patches": "0.2e-3,0.15e-3,0.4e-3,0.30e-3", "-adapt": "relocate"}
 SCENES = {"none": (BEAM | SHORT, 4), "relocate": (SNAIL, 5)}  # and a load

@@ -65,3 +65,14 @@ def results(run):
     kept.pop("energy_converted", None)
     kept.pop("layout_seconds", None)
     return kept, run.summary["bonds_broken"], run.summary["steps"]
+
+# The double cantilever beam up to six tenths of its load, whose crack grows by far within loads.
+BEAM = {
+    "-options_file": "cases/dcb/smoke.opts",
+    "-bc_top_displacement": "0,0.9e-6",
+    "-bc_bottom_displacement": "0,-0.9e-6",
+    "-load_steps": "6",
+    "-output_fields": "false",
+    "-output_history": "",
+    "-quiet": "",
+}
