@@ -7,7 +7,6 @@
 #include "pdx/mesh/vertex_halo.hpp"
 
 #include <fmt/format.h>
-#include <limits>
 
 namespace pdx::xfem {
 namespace {
@@ -148,25 +147,17 @@ std::vector<Vector<2>> closed_tips(const mesh::Mesh& mesh, const crack::CrackSet
   for (const std::size_t t : all) places.push_back(cracks.tips()[t].at);
   return places;
 }
-/// How far x is inside a cell, as a share of its diagonal; below 0 outside.
-double share_inside(const mesh::Mesh& mesh, Index cell, const Vector<2>& x)
-{
-  const auto corners = mesh.corners(cell);
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < 4; ++k) {
-    const Vector<2> along = (corners[(k + 1) % 4] - corners[k]).normalized(), to = x - corners[k];
-    least = std::min(least, along.x() * to.y() - along.y() * to.x());
-  }
-  return least / (corners[2] - corners[0]).norm();
-}
 
-std::vector<Vector<2>> meetings_near_edges(const mesh::Mesh& mesh, const crack::CrackSet& cracks)
+/// @param cells that are cut
+std::vector<Vector<2>> meetings_near_edges(const mesh::Mesh& mesh, const crack::CrackSet& cracks,
+                                           std::span<const CutElement> cells)
 {
   std::vector<std::size_t> mine;
   for (std::size_t k = 0; k < cracks.junctions().size(); ++k)
-    for (Index c = 0; c < mesh.owned_cells(); ++c) {
-      const double inside = share_inside(mesh, c, cracks.junctions()[k].at);
-      if (inside > kOnEdge && inside < kNearEdge && mesh.use(c) == mesh::Use::cut) mine.push_back(k);
+    for (const CutElement& cut : cells) {
+      const auto corners = mesh.corners(cut.cell);
+      const double inside = depth_in(mesh, cut.cell, cracks.junctions()[k].at) / (corners[2] - corners[0]).norm();
+      if (inside > kOnEdge && inside < kNearEdge) mine.push_back(k);
     }
   std::vector<std::size_t> all = gather_all(mesh.comm(), mine);
   std::ranges::sort(all);
@@ -197,7 +188,7 @@ EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, cons
     if (k == 0 || cells_[k].cell != cells_[k - 1].cell) mesh.cut(cells_[k].cell);
   count(enrichment, zone);
   report_.closed = closed_tips(mesh, cracks, found.tips);
-  report_.near = meetings_near_edges(mesh, cracks);
+  report_.near = meetings_near_edges(mesh, cracks, cells_);
 }
 
 void EnrichedSets::keep_sets(const Enrichment& enrichment, const JunctionZone& zone)

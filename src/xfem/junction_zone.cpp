@@ -28,17 +28,6 @@ bool is_element(const mesh::Mesh& mesh, Index cell)
   return mesh.use(cell) != mesh::Use::covered && mesh.use(cell) != mesh::Use::points;
 }
 
-/// Is x in the cell, or as near?
-bool reaches(const mesh::Mesh& mesh, Index cell, const Vector<2>& x, double margin)
-{
-  const auto corners = mesh.corners(cell);
-  for (std::size_t k = 0; k < 4; ++k) {
-    const Vector<2> along = (corners[(k + 1) % 4] - corners[k]).normalized(), to = x - corners[k];
-    if (along.x() * to.y() - along.y() * to.x() < -margin) return false;
-  }
-  return true;
-}
-
 /// Adds the vertices of an owned cell.
 void add_nodes(const mesh::Mesh& mesh, Index cell, std::vector<Index>& nodes)
 {
@@ -51,6 +40,17 @@ template <class Records> auto of_cell(const Records& records, Index cell)
   return run_of(records, cell, [](const auto& record) { return record.cell; });
 }
 } // namespace
+
+double depth_in(const mesh::Mesh& mesh, Index cell, const Vector<2>& x)
+{
+  const auto corners = mesh.corners(cell);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vector<2> along = (corners[(k + 1) % 4] - corners[k]).normalized(), to = x - corners[k];
+    least = std::min(least, along.x() * to.y() - along.y() * to.x());
+  }
+  return least;
+}
 
 JunctionZone::JunctionZone(const mesh::Mesh& mesh, const crack::CrackSet& cracks, std::span<const CellCut> cuts,
                            std::span<const EndCut> ends, double tolerance, const geom::Frame& frame)
@@ -84,7 +84,7 @@ void JunctionZone::refuse_ends(std::span<const CellCut> cuts, std::span<const En
     const crack::Junction& junction = cracks_.junctions()[k];
     for (const CellCut& cut : cuts)
       if (cut.crack == junction.crack && cut.cell < mesh_.owned_cells() && has(cut.cell, junction.other) &&
-          reaches(mesh_, cut.cell, junction.at, 4.0 * tolerance))
+          depth_in(mesh_, cut.cell, junction.at) >= -4.0 * tolerance)
         met.push_back(k);
   }
   open = gather_all(mesh_.comm(), open);

@@ -5,6 +5,9 @@
 #include "pdx/xfem/pieces.hpp"
 
 namespace pdx::xfem {
+/// How far x is inside a cell; below 0 outside [m].
+double depth_in(const mesh::Mesh& mesh, Index cell, const Vector<2>& x);
+
 /// A crack that comes into a cell and ends there on another.
 struct EndCut {
   std::size_t junction; ///< its number in the CrackSet
