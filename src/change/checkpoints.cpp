@@ -1,5 +1,6 @@
 #include "pdx/change/checkpoints.hpp"
 
+#include "pdx/change/checkpoint_head.hpp"
 #include "pdx/options/scene_signature.hpp"
 #include "pdx/record/checkpoint_file.hpp"
 
@@ -73,17 +74,11 @@ Checkpoints::Checkpoints(record::RunFiles& files, PatchMover& mover)
 
 void Checkpoints::read_head()
 {
-  from_ = std::make_unique<io::SealedReader>(files_.comm(), options_.restart);
-  record::refuse_another(*from_, options_.restart, record::kGivenOptions,
-                         given_); // before a scene is built by what the file says
-  head_ = record::read_numbers(*from_);
-  from_->require("/numbers", fault_of(head_));
-  // The directory it lies in is the run's own: its files go on. Elsewhere new ones begin.
-  const bool here = record::is_of(files_.comm(), options_.restart, files_.options.output.directory);
-  from_layout_ = scene::Layout::read(*from_, files_.options);
-  if (files_.options.layout.patches_move()) dormant_ = scene::Dormant::read(files_.comm(), *from_);
-  if (mover_.follows()) mover_.read(*from_);
-  files_.continued = {here, static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
+  CheckpointHead head = change::read_head(files_, mover_, given_, fault_of);
+  from_ = std::move(head.file);
+  head_ = std::move(head.numbers);
+  from_layout_ = std::move(head.layout);
+  dormant_ = std::move(head.dormant);
 }
 
 record::SceneTables& Checkpoints::tables()

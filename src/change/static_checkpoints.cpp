@@ -1,5 +1,6 @@
 #include "pdx/change/static_checkpoints.hpp"
 
+#include "pdx/change/checkpoint_head.hpp"
 #include "pdx/options/scene_signature.hpp"
 
 #include <cmath>
@@ -86,16 +87,11 @@ StaticCheckpoints::StaticCheckpoints(record::RunFiles& files, PatchMover& mover)
       given_(options::given_scene(files.comm(), files.options)), written_(MPI_Wtime())
 {
   if (options_.restart.empty()) return;
-  from_ = std::make_unique<io::SealedReader>(files_.comm(), options_.restart);
-  record::refuse_another(*from_, options_.restart, record::kGivenOptions,
-                         given_); // before a scene is built by what the file says
-  head_ = record::read_numbers(*from_);
-  from_->require("/numbers", fault_in(head_));
-  layout_ = scene::Layout::read(*from_, files_.options);
-  if (files_.options.layout.patches_move()) dormant_ = scene::Dormant::read(files_.comm(), *from_);
-  if (mover_.follows()) mover_.read(*from_);
-  files_.continued = {record::is_of(files_.comm(), options_.restart, files_.options.output.directory),
-                      static_cast<int>(head_.at("step")), static_cast<int>(head_.at("fields"))};
+  CheckpointHead head = read_head(files_, mover_, given_, fault_in);
+  from_ = std::move(head.file);
+  head_ = std::move(head.numbers);
+  layout_ = std::move(head.layout);
+  dormant_ = std::move(head.dormant);
 }
 
 StaticCheckpoints::Start StaticCheckpoints::start(const scene::Standing& scene, solve::LoadPath& path)
