@@ -52,46 +52,65 @@ BulkWatch::BulkWatch(const SceneView& scene, const ConversionRule& rule, const E
   for (const mesh::Use use : {mesh::Use::plain, mesh::Use::points})
     for (const Index c : mesh.cells(use)) {
       if (c >= mesh.owned_cells() || !can_cover(scene, c)) continue;
-      Watched cell{c, {}, 0.0, 0.0, Vector<2>::Zero(), elastic(mesh.body(c))};
+      Watched cell{c, {}, Vector<2>::Zero(), elastic(mesh.body(c))};
       for (std::size_t a = 0; a < 4; ++a)
         cell.rows[a] = scene.halo.local(scene.node_rows[static_cast<std::size_t>(mesh.cell(c)[a])]);
       const Corners x = mesh.corners(c);
       const double near = 1e-9 * (x[2] - x[0]).norm();
       const bool box = is_box(x, near) && std::abs(x[1][1] - x[0][1]) < near && x[1][0] > x[0][0];
       if (box) cell.inverse = (x[2] - x[0]).cwiseInverse();
-      const double exact = box ? 1.0 : 4.0; // bends of a slanted cell, amply
-      cell.along = exact / std::min((x[1] - x[0]).squaredNorm(), (x[2] - x[3]).squaredNorm());
-      cell.across = exact / std::min((x[3] - x[0]).squaredNorm(), (x[2] - x[1]).squaredNorm());
+      const double exact = box ? 1.0 : 4.0;                   // bends of a slanted cell, amply
       double least = std::numeric_limits<double>::infinity(); // displacement gradient that may be too much
       if (rule.stretch) least = *rule.stretch;
       if (rule.stress) least = std::min(least, *rule.stress / cell.elastic.principal_stress(1.0, 1.0));
-      cell.suspicious = least * least;
+      append({cell.rows, 1, exact / std::min((x[1] - x[0]).squaredNorm(), (x[2] - x[3]).squaredNorm()),
+              exact / std::min((x[3] - x[0]).squaredNorm(), (x[2] - x[1]).squaredNorm()), least * least});
       cells_.push_back(cell);
     }
 }
 
-/// Strains are no larger than the displacement gradient, and that of no more than differences along edges: most cells
-/// are let off by those.
+void BulkWatch::append(const WatchRun& cell)
+{
+  const auto goes_on = [&cell](const WatchRun& run) {
+    for (std::size_t a = 0; a < 4; ++a)
+      if (cell.rows[a] != run.rows[a] + run.cells) return false;
+    return true;
+  };
+  if (runs_.empty() || !goes_on(runs_.back())) {
+    runs_.push_back(cell);
+    return;
+  }
+  WatchRun& run = runs_.back(); // the most suspicious of all
+  run.cells += cell.cells;
+  run.along = std::max(run.along, cell.along);
+  run.across = std::max(run.across, cell.across);
+  run.limit = std::min(run.limit, cell.limit);
+}
+
+/// Strains are no larger than the displacement gradient: most cells are let off by it.
 std::vector<Index> BulkWatch::asking(const mesh::Mesh& mesh, std::span<const double> local) const
 {
+  std::vector<std::size_t> suspicious;
+  find_suspicious(this_processor(), runs_, local, suspicious);
   std::vector<Index> found;
-  const double* const u = local.data();
-  for (const Watched& cell : cells_) {
-    const double *u0 = u + 2 * cell.rows[0], *u1 = u + 2 * cell.rows[1], *u2 = u + 2 * cell.rows[2],
-                 *u3 = u + 2 * cell.rows[3];
-    const auto square = [](const double* p, const double* q) {
-      return (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]);
-    };
-    const double along = std::max(square(u1, u0), square(u2, u3)), across = std::max(square(u3, u0), square(u2, u1));
-    if (along * cell.along + across * cell.across < cell.suspicious) continue;
-    if (may_ask(cell, u) && asks(mesh, cell, local)) found.push_back(cell.cell);
-  }
+  for (const std::size_t k : suspicious)
+    if (may_ask(cells_[k], local.data()) && asks(mesh, cells_[k], local)) found.push_back(cells_[k].cell);
   return found;
 }
 
 void BulkWatch::leave_out(std::span<const Index> cells)
 {
-  std::erase_if(cells_, [cells](const Watched& watched) { return std::ranges::binary_search(cells, watched.cell); });
+  std::vector<Watched> left;
+  std::vector<WatchRun> all;
+  std::swap(all, runs_);
+  auto cell = cells_.cbegin();
+  for (const WatchRun& run : all)
+    for (Index k = 0; k < run.cells; ++k, ++cell) {
+      if (std::ranges::binary_search(cells, cell->cell)) continue;
+      left.push_back(*cell);
+      append({cell->rows, 1, run.along, run.across, run.limit});
+    }
+  cells_ = std::move(left);
 }
 
 /// False only where no place of a box asks, whatever its rotation: with p, m = |(F11 +- F22, F21 -+ F12)| the principal

@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/adapt/layout_change.hpp"
 #include "pdx/adapt/scene_view.hpp"
+#include "pdx/adapt/watch_kernel.hpp"
 #include "pdx/law/elastic.hpp"
 
 #include <functional>
@@ -33,16 +34,17 @@ private:
   struct Watched {
     Index cell;
     std::array<Index, 4> rows; // local
-    double along, across;      // over the squares of its sides [1/m^2]
     Vector<2> inverse;         // of the sides of a box; 0: it is none [1/m]
     law::Elastic elastic;
-    double suspicious = 0.0; // square of the least displacement gradient that may be too much [-]
   };
   bool may_ask(const Watched& cell, const double* u) const;
   bool asks(const mesh::Mesh& mesh, const Watched& cell, std::span<const double> local) const;
 
+  void append(const WatchRun& cell); // to the last run, if it goes on there
+
   ConversionRule rule_;
   std::vector<Watched> cells_;
+  std::vector<WatchRun> runs_; // of all cells, in their order
 };
 
 /// Is there a cell that could become particles, if it asked? Collective. @param lattices as for `conversion`
