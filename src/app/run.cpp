@@ -8,6 +8,7 @@
 #include "pdx/base/options.hpp"
 #include "pdx/base/petsc_names.hpp"
 #include "pdx/base/stop_signals.hpp"
+#include "pdx/scene/mixed_points.hpp"
 #include "pdx/scene/scene_warnings.hpp"
 #include "pdx/scene/settle.hpp"
 
@@ -52,7 +53,9 @@ void run(MPI_Comm comm, double begin)
     for (const std::string& warning : warnings) files.warn(warning);
   for (const std::string& note : options.notes) files.progress.line(note);
   try {
-    if (options.mixed())
+    if (options.mixed() && !options.time.dynamic())
+      run_static(files, scene::settle_mixed(comm, options));
+    else if (options.mixed())
       run_in_time(files, scene::mixed_scene(comm, options));
     else if (options.points.any())
       run_in_time(files, options.points.formulation == options::Formulation::updated

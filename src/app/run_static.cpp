@@ -20,7 +20,7 @@
 namespace pdx::app {
 bool wants_assembled(const options::SceneOptions& options)
 {
-  if (!options.pd.any() || options.pd.solver == options::PdOperator::assembled) return true;
+  if (!options.pd.any() || options.points.any() || options.pd.solver == options::PdOperator::assembled) return true;
   char type[64] = "";
   PetscBool given = PETSC_FALSE;
   PDX_CALL(PetscOptionsGetString(nullptr, nullptr, "-pc_type", type, sizeof type, &given));
@@ -78,9 +78,10 @@ std::vector<double> reference_displacement(mesh::Mesh& mesh, const options::Scen
 /// the path of loads outlive them.
 class StaticRun {
 public:
-  explicit StaticRun(record::RunFiles& files)
-      : files_(files), assembled_(wants_assembled(files.options)), layout_(scene::Layout::given(files.options)),
-        recorder_(files), mover_(files.options), checkpoints_(files, mover_)
+  StaticRun(record::RunFiles& files, std::shared_ptr<const scene::PointPlan<2>> points)
+      : files_(files), points_(std::move(points)), assembled_(wants_assembled(files.options)),
+        layout_(scene::Layout::given(files.options)), recorder_(files), mover_(files.options),
+        checkpoints_(files, mover_)
   {
     if (!checkpoints_.goes_on()) return;
     layout_ = checkpoints_.layout();
@@ -132,7 +133,7 @@ private:
   void lay()
   {
     const options::SceneOptions& options = files_.options;
-    ground_ = std::make_unique<scene::Ground>(files_.comm(), layout_.in(options));
+    ground_ = std::make_unique<scene::Ground>(files_.comm(), layout_.in(options), nullptr, points_);
     if (options.post.reference_fe) {
       scene::cover_cells(ground_->mesh, ground_->plan, ground_->mesh_options,
                          options.frame); // refuses wrong patches first
@@ -188,7 +189,8 @@ private:
 
   void build()
   {
-    d_ = scene::discretise(ground_->mesh, ground_->options, ground_->plan, std::move(ground_->particles), assembled_);
+    d_ = scene::discretise(ground_->mesh, ground_->options, ground_->plan, std::move(ground_->particles), assembled_,
+                           points_.get());
     u_ = d_->system.rows.vector();
   }
 
@@ -346,7 +348,7 @@ private:
   void rebuild()
   {
     if (change_.empty()) {
-      ground_ = std::make_unique<scene::Ground>(files_.comm(), layout_.in(files_.options));
+      ground_ = std::make_unique<scene::Ground>(files_.comm(), layout_.in(files_.options), nullptr, points_);
       ground_->lay_particles();
     } else {
       layout_ = layout_.changed(change_);
@@ -357,6 +359,7 @@ private:
   }
 
   record::RunFiles& files_;
+  std::shared_ptr<const scene::PointPlan<2>> points_; // null without them
   bool assembled_;
   scene::Layout layout_;
   record::Recorder recorder_;
@@ -374,5 +377,8 @@ private:
 };
 } // namespace
 
-void run_static(record::RunFiles& files) { StaticRun(files).run(); }
+void run_static(record::RunFiles& files, std::shared_ptr<const scene::PointPlan<2>> points)
+{
+  StaticRun(files, std::move(points)).run();
+}
 } // namespace pdx::app

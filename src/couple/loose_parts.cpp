@@ -159,8 +159,9 @@ void LooseParts::tie_elements(Ties& ties) const
   const auto row = [&](Index cell, std::size_t a) {
     return models_.node_rows[static_cast<std::size_t>(models_.mesh.cell(cell)[a])];
   };
-  for (const Index c : models_.mesh.cells(mesh::Use::plain))
-    for (std::size_t a = 1; a < 4; ++a) ties.join(row(c, 0), row(c, a));
+  for (const mesh::Use use : {mesh::Use::plain, mesh::Use::points})
+    for (const Index c : models_.mesh.cells(use))
+      for (std::size_t a = 1; a < 4; ++a) ties.join(row(c, 0), row(c, a));
   if (!models_.sets) return;
   for (const xfem::CutElement& cut : models_.sets->cells())
     for (const xfem::Side side : {xfem::Side::minus, xfem::Side::plus}) {

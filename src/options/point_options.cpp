@@ -305,7 +305,6 @@ void judge_mixed(const SceneOptions& s)
   if (s.kinematics == Kinematics::small)
     throw UserError("-kinematics small: bodies of points turn, and bonds must turn with them: give finite (the default "
                     "beside points) or mixed");
-  if (s.time.analysis != Analysis::explicit_dynamics) throw UserError(beside + " need -analysis explicit");
   if (s.scheme != couple::Scheme::energy) throw UserError(beside + " need -couple_scheme energy");
   if (s.mesh.file.empty() && s.mesh.cells[0] == 0 && s.mesh.box.size().norm() > 0.0)
     throw UserError("-mesh_cells is missing: give the number of cells nx,ny of the box, or a -mesh_file");
@@ -316,17 +315,33 @@ void judge_mixed(const SceneOptions& s)
 }
 } // namespace
 
+namespace {
+/// Points whose equations are solved, in statics or in implicit steps.
+void judge_solved(const SceneOptions& s)
+{
+  const std::string given = s.time.dynamic() ? "-analysis implicit" : "-analysis static";
+  const std::size_t bodies = s.points.bodies.size() + (s.mesh.cells[0] > 0 || !s.mesh.file.empty() ? 1 : 0);
+  if (s.points.contact.active && bodies > 1)
+    throw UserError(given + " has no contact between bodies: give -analysis explicit, or -contact none");
+  if (s.points.viscosity > 0.0)
+    throw UserError("-mpm_bulk_viscosity is of explicit steps: give -analysis explicit, or drop it");
+  if (s.pd.any() && s.pd.solver == PdOperator::matrix_free)
+    throw UserError("-pd_operator matrix_free knows no material points: give assembled, or drop it");
+  if (s.time.dynamic()) return;
+  if (s.solid) throw UserError("-analysis static has material points in the plane only: give -analysis explicit");
+  for (const PointBodyOptions& body : s.points.bodies)
+    if (!body.velocity.isZero() || !body.spin.isZero())
+      throw UserError(fmt::format("-mpm_{}_{}: nothing moves by itself in statics; drop it", body.name,
+                                  body.velocity.isZero() ? "spin" : "velocity"));
+}
+} // namespace
+
 void judge_points(const SceneOptions& s)
 {
   refuse_other_physics(s);
-  if (!s.time.dynamic()) throw UserError("material points move: give -analysis explicit or implicit");
-  if (s.mixed()) judge_mixed(s);
   judge_grid(s);
-  if (s.time.analysis == Analysis::implicit_dynamics && s.points.contact.active && s.points.bodies.size() > 1)
-    throw UserError(
-        "-analysis implicit has no contact between bodies of points: give -analysis explicit, or -contact none");
-  if (s.time.analysis == Analysis::implicit_dynamics && s.points.viscosity > 0.0)
-    throw UserError("-mpm_bulk_viscosity is of explicit steps: give -analysis explicit, or drop it");
+  if (s.time.analysis != Analysis::explicit_dynamics) judge_solved(s);
+  if (s.mixed()) judge_mixed(s);
   for (const BoundaryCondition& c : s.conditions) judge_condition(s, c);
 }
 } // namespace pdx::options

@@ -48,6 +48,7 @@ void Recorder::open_history()
   std::vector<io::Column> columns{
       {"step", "-"}, {"load", "-"}, {"energy_elements", "J"}, {"energy_bonds", "J"}, {"energy_interface", "J"},
       {"work", "J"}};
+  if (d_->point_plan) columns.insert(columns.end() - 1, {"energy_points", "J"});
   if (files_.grows()) {
     columns.insert(columns.end(), {{"energy_fracture", "J"}, {"passes", "-"}, {"bonds_broken", "-"}});
     cracks_->add_columns(columns);
@@ -81,9 +82,10 @@ void Recorder::take_stock(const solve::Step& step, Vec u, const solve::StaticDri
 void Recorder::write_history(const solve::Step& step)
 {
   const post::EnergyBalance& balance = ledger_->balance();
-  std::vector<double> row{static_cast<double>(step.number), step.load,
-                          balance.energies.elements,        balance.energies.bonds,
-                          balance.energies.interface,       balance.work};
+  std::vector<double> row{static_cast<double>(step.number), step.load, balance.energies.elements,
+                          balance.energies.bonds, balance.energies.interface};
+  if (d_->point_plan) row.push_back(balance.energies.points);
+  row.push_back(balance.work);
   if (files_.grows()) {
     row.insert(row.end(), {balance.energies.dissipated, static_cast<double>(step.passes),
                            static_cast<double>(d_->fracture->broken())});
@@ -156,6 +158,7 @@ void Recorder::write_results(Vec u, const Prior& prior, const post::Displacement
   results["strain_energy_elements"] = balance.energies.elements;
   results["strain_energy_bonds"] = balance.energies.bonds;
   results["strain_energy_interface"] = balance.energies.interface;
+  if (d_->point_plan) results["strain_energy_points"] = balance.energies.points;
   results["external_work"] = balance.work;
   if (files_.grows()) {
     results["fracture_energy"] = balance.energies.dissipated;
@@ -231,6 +234,7 @@ RecorderNotes Recorder::notes() const
                                    {"energy_elements", balance.energies.elements},
                                    {"energy_bonds", balance.energies.bonds},
                                    {"energy_interface", balance.energies.interface},
+                                   {"energy_points", balance.energies.points},
                                    {"dissipated", balance.energies.dissipated}});
   for (std::size_t k = 0; k < reactions_.now.size(); ++k) {
     notes.numbers[fmt::format("reaction_{}", k)] = reactions_.now[k];
@@ -267,6 +271,7 @@ void Recorder::take_notes(const RecorderNotes& notes, double load, std::vector<d
   balance.energies.elements = n.at("energy_elements");
   balance.energies.bonds = n.at("energy_bonds");
   balance.energies.interface = n.at("energy_interface");
+  if (const auto points = n.find("energy_points"); points != n.end()) balance.energies.points = points->second;
   balance.energies.dissipated = n.at("dissipated");
   ledger_ = std::make_unique<post::EnergyLedger>(
       d_->system, post::LedgerState{std::move(u), post::external_force(d_->system, load, internal_force), balance});

@@ -193,11 +193,13 @@ std::vector<field::OutputBlock> RunFiles::blocks(Vec u, const std::vector<double
   if (scene.cloud) return cloud_blocks(options, *scene.cloud, u, velocity);
   if (scene.solid) return solid_blocks(options, *scene.solid, u);
   std::vector<field::OutputBlock> all = output_blocks(*scene.mesh, options, *scene.d, u, relative_percent);
-  if (scene.d->bodies && scene.d->bonds) add_velocity(*scene.d, velocity, all);
+  if (!scene.d->bodies) return all;
+  std::vector<double> local, v, moving(velocity.begin(), velocity.end());
+  moving.resize(2 * static_cast<std::size_t>(scene.d->system.rows.owned()), 0.0); // nothing moves in statics
+  if (scene.d->bonds) add_velocity(*scene.d, moving, all);
   if (!scene.d->points) return all;
-  std::vector<double> local, v;
   scene.d->system.halo->gather(u, local);
-  scene.d->system.halo->fetch(velocity, 2, v);
+  scene.d->system.halo->fetch(moving, 2, v);
   all.push_back(scene.d->point_fields(*scene.mesh, local, v));
   return all;
 }

@@ -60,7 +60,44 @@ $Elements
 2 2 2 2 2 2 5 6
 $EndElements
 """
+# The same at rest, held so that it narrows freely, and with particles in its middle; what is stretched has a closed form.
+STRETCHED = {"-case": "stretched", "-material_young": "1e9", "-material_poisson": repr(1.0 / 3.0), "-material_density": "1e3",
+             "-material_thickness": "0.01", "-mpm_bodies": "bar", "-mpm_bar_box": "0,0,1,0.2", "-mpm_spacing": "0.02",
+             "-bc_names": "left,bottom,right", "-bc_left_on": "left", "-bc_left_displacement": "0,free", "-bc_bottom_on": "bottom",
+             "-bc_bottom_displacement": "free,0", "-bc_right_on": "right", "-bc_right_displacement": "1e-6,free", "-quiet": ""}
+PATCHED = STRETCHED | {"-pd_patches": "0.4,0.04,0.6,0.16", "-pd_spacing": "0.02", "-pd_horizon_ratio": "3", "-bc_right_displacement": "1e-8,free"}
 SPINNING = DISC | {"-mpm_disc_velocity": None, "-mpm_disc_spin": "200"}
+
+
+class AtRest(program.ProgramTest):
+    def energy_over_closed_form(self, run, pull):
+        results = pdxtools.read_summary(run.directory)["results"]
+        for name, sign in (("right", 1.0), ("left", -1.0)):
+            self.assertAlmostEqual(results["reaction"][name][0] / (sign * 1e9 * pull * 0.2 * 0.01), 1.0, delta=1e-7)
+        self.assertAlmostEqual(results["external_work"] / results["strain_energy"], 1.0, delta=1e-9)
+        return results["strain_energy"] / (0.5 * 1e9 * pull**2 * 0.2 * 0.01)
+
+    def test_a_bar_that_is_stretched_has_the_energy_of_the_closed_form(self):
+        for ranks in (1, 2):
+            run = self.solve(STRETCHED, ranks)
+            self.assertAlmostEqual(self.energy_over_closed_form(run, 1e-6), 1.0, delta=1e-10)
+
+    def test_particles_in_points_pass_the_patch_test(self):
+        for ranks in (1, 3):
+            run = self.solve(PATCHED, ranks)
+            self.assertAlmostEqual(self.energy_over_closed_form(run, 1e-8), 1.0, delta=1e-9)
+
+    def test_a_cantilever_bends_as_far_as_the_same_of_elements(self):
+        bent = {"-bc_names": "left,right", "-bc_left_on": "left", "-bc_left_displacement": "0,0", "-bc_right_on": "right",
+                "-bc_right_displacement": None, "-bc_right_traction": "0,1e5", "-bc_bottom_on": None, "-bc_bottom_displacement": None}
+        points = pdxtools.read_summary(self.solve(STRETCHED | bent, 2).directory)["results"]
+        elements = {key: value for key, value in (STRETCHED | bent).items() if not key.startswith("-mpm")}
+        elements |= {"-mesh_lower": "0,0", "-mesh_upper": "1,0.2", "-mesh_cells": "25,5", "-kinematics": "finite"}
+        theirs = pdxtools.read_summary(self.solve(elements, 1).directory)["results"]
+        far = points["max_displacement_component"]
+        shear = 200 / (5 / 6 * 3.75e8 * 0.2 * 0.01)  # P L / (k G A) with P = 200 N
+        self.assertAlmostEqual(far / (200 / (3 * 1e9 * 0.01 * 0.2**3 / 12) + shear), 1.0, delta=0.02)  # P L^3 / (3 E I)
+        self.assertAlmostEqual(far / theirs["max_displacement_component"], 1.0, delta=0.02)
 
 
 class Points(program.ProgramTest):

@@ -5,6 +5,7 @@ import subprocess
 import time
 
 import program
+import test_points
 import torn
 from torn import checkpoint
 
@@ -32,7 +33,7 @@ class StaticRestart(program.ProgramTest):
     def watched(self, options, step):
         """Runs a scene, and copies what lies in its directory once a checkpoint of a load is there: what a run that is
         killed at that moment leaves."""
-        directory = self.scratch / f"watched_{step}_{options.get('-adapt', 'none')}"
+        directory = self.scratch / f"watched_{step}_{options.get('-adapt', 'none')}_{options.get('-case', '')}"
         copy = directory.with_name(directory.name + "_copy")
         command = [program.PROGRAM, *program.words_of(options), "-output_dir", str(directory)]
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -93,14 +94,16 @@ class StaticRestart(program.ProgramTest):
                 self.assertEqual([row["step"] for row in rest.history()], list(range(1, loads + 1)))
 
     def test_other_ranks_go_on(self):
-        plate = program.SMALL_PATCH | {"-load_steps": "4", "-checkpoint_interval": "2", "-output_history": ""}
-        whole, half = self.watched(plate, 2)
-        rest = self.solve(plate | {"-restart": str(half / "checkpoint.h5")}, 2, half)
-        for one, other in zip(whole.history(), rest.history(), strict=True):
-            self.assertAlmostEqual(one["work"], other["work"], delta=1e-9 * one["work"])
-        for name in ("strain_energy", "external_work"):
-            a, b = (run.summary["results"][name] for run in (whole, rest))
-            self.assertAlmostEqual(a, b, delta=1e-9 * a, msg=name)
+        for name, scene in (("elements", program.SMALL_PATCH), ("points", test_points.PATCHED)):
+            with self.subTest(around_particles=name):
+                options = scene | {"-load_steps": "4", "-checkpoint_interval": "2", "-output_history": "", "-case": name}
+                whole, half = self.watched(options, 2)
+                rest = self.solve(options | {"-restart": str(half / "checkpoint.h5")}, 2, half)
+                for one, other in zip(whole.history(), rest.history(), strict=True):
+                    self.assertAlmostEqual(one["work"], other["work"], delta=1e-9 * one["work"])
+                for result in ("strain_energy", "external_work"):
+                    a, b = (run.summary["results"][result] for run in (whole, rest))
+                    self.assertAlmostEqual(a, b, delta=1e-9 * a, msg=result)
 
     def test_what_cannot_go_on_is_refused_in_one_line(self):
         plate = program.SMALL_PATCH | {"-load_steps": "4", "-checkpoint_interval": "2"}

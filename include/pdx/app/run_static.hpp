@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/record/run_files.hpp"
+#include "pdx/scene/point_plan.hpp"
 
 namespace pdx::app {
 /// Matrix-free unless the user asks for an assembled matrix, by name or by choosing a preconditioner that needs one.
@@ -7,5 +8,6 @@ namespace pdx::app {
 bool wants_assembled(const options::SceneOptions& options);
 
 /// Solves a scene for all its loads and writes what was asked for. Collective.
-void run_static(record::RunFiles& files);
+/// @param points bodies of material points, settled (`scene::settle_mixed`); null without them
+void run_static(record::RunFiles& files, std::shared_ptr<const scene::PointPlan<2>> points = nullptr);
 } // namespace pdx::app

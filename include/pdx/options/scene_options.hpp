@@ -102,10 +102,12 @@ struct SceneOptions {
   std::vector<std::string> warnings; ///< of what was taken otherwise than written
   std::vector<std::string> notes;    ///< of what was chosen because nothing was written
 
-  /// Do bodies of material points stand beside elements or particles?
+  /// Do bodies of material points stand beside elements or particles, or at rest in the plane, where they are cells of
+  /// a mesh too?
   bool mixed() const
   {
-    return points.any() && !solid && (pd.any() || mesh.cells[0] > 0 || !mesh.file.empty() || converts());
+    return points.any() && !solid &&
+           (pd.any() || mesh.cells[0] > 0 || !mesh.file.empty() || converts() || !time.dynamic());
   }
   /// May bulk become particles where no patch is?
   bool converts() const { return layout.adapt != Adapt::none && layout.triggers.any(); }
