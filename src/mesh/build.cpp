@@ -24,11 +24,13 @@ struct SerialMesh {
 const char* partitioner_type()
 {
 #ifdef PETSC_HAVE_PTSCOTCH
-  static constexpr const char* types[] = {"metis", "ptscotch", "simple"};
+  static constexpr const char* types[] = {"auto", "metis", "straight", "ptscotch", "simple"};
 #else
-  static constexpr const char* types[] = {"metis", "simple"};
+  static constexpr const char* types[] = {"auto", "metis", "straight", "simple"};
 #endif
-  return types[Options("mesh").choice("-petscpartitioner_type", 0, types, "how the mesh is cut for the ranks")];
+  return types[Options("mesh").choice(
+      "-petscpartitioner_type", 0, types,
+      "how the mesh is cut for the ranks: metis, straight lines, or what of these costs less")];
 }
 
 void require_lower_below_upper(const geom::Box<2>& box)
@@ -162,7 +164,8 @@ std::vector<Index> serial_numbers(DM plex)
 
 /// The partitioner takes the number of unknowns of a cell for its weight: says the costs in such a section, and notes
 /// them by point.
-void set_costs(DistributedPlex& serial, const Costs& cost)
+/// Returns the middles of the cells, by point [m].
+std::vector<Vector<2>> set_costs(DistributedPlex& serial, const Costs& cost)
 {
   MPI_Comm comm = MPI_COMM_NULL;
   PDX_CALL(PetscObjectGetComm(reinterpret_cast<PetscObject>(serial.plex.get()), &comm));
@@ -174,14 +177,18 @@ void set_costs(DistributedPlex& serial, const Costs& cost)
   PDX_CALL(PetscSectionCreate(comm, weights.out()));
   PDX_CALL(PetscSectionSetChart(weights.get(), 0, static_cast<PetscInt>(costs.size())));
   serial.costs.assign(serial.natural.size(), 0);
+  std::vector<Vector<2>> middles(costs.size());
   for (std::size_t c = 0; c < costs.size(); ++c) {
     PDX_ASSERT(costs[c] > 0);
     const Index cell = arrays.natural_cell[c]; // the point, too
     serial.costs[static_cast<std::size_t>(cell)] = costs[c];
+    Vector<2>& middle = middles[static_cast<std::size_t>(cell)] = Vector<2>::Zero();
+    for (const Index v : arrays.cells[c]) middle += 0.25 * arrays.points[static_cast<std::size_t>(v)];
     PDX_CALL(PetscSectionSetDof(weights.get(), cell, std::max(1, static_cast<PetscInt>(shrink * costs[c]))));
   }
   PDX_CALL(PetscSectionSetUp(weights.get()));
   PDX_CALL(DMSetLocalSection(serial.plex.get(), weights.get()));
+  return middles;
 }
 
 /// What is known by point goes where the points go.
@@ -203,12 +210,13 @@ DistributedPlex distribute(DistributedPlex serial, const char* type, const Costs
   PDX_CALL(PetscObjectGetComm(reinterpret_cast<PetscObject>(serial.plex.get()), &comm));
   MPI_Comm_size(comm, &size);
   if (size == 1) return serial;
-  set_costs(serial, cost);
+  const std::vector<Vector<2>> middles = set_costs(serial, cost);
   PetscPartitioner partitioner = nullptr;
   PDX_CALL(DMPlexGetPartitioner(serial.plex.get(), &partitioner));
   PDX_CALL(PetscPartitionerSetType(partitioner, type));
   PDX_CALL(PetscPartitionerSetFromOptions(partitioner));
   PDX_CALL(PetscPartitionerSetType(partitioner, type)); // the option is for the first cut
+  note_middles(partitioner, middles);
   DistributedPlex result;
   SfHandle migration;
   PDX_CALL(DMPlexDistribute(serial.plex.get(), 1, migration.out(), result.plex.out()));
@@ -286,7 +294,7 @@ Mesh cut_and_flatten(MPI_Comm comm, const MeshOptions& given, const char* type, 
 {
   MeshOptions options = given;
   if (!options.file.empty() && !options.list) (void)load(comm, options);
-  register_metis_partitioner();
+  register_partitioners();
   SerialMesh serial = options.file.empty() ? box_mesh(comm, options) : file_mesh(comm, options);
   std::vector<Index> natural = serial_numbers(serial.plex.get());
   DistributedPlex distributed = distribute({std::move(serial.plex), std::move(natural), {}}, type, costs);
@@ -305,6 +313,6 @@ Mesh build(MPI_Comm comm, const MeshOptions& options, const CellCost& cost)
 
 Mesh build_by_costs(MPI_Comm comm, const MeshOptions& options, const MeasuredCosts& costs)
 {
-  return cut_and_flatten(comm, options, "metis", by_number(costs));
+  return cut_and_flatten(comm, options, "auto", by_number(costs));
 }
 } // namespace pdx::mesh

@@ -1,10 +1,14 @@
 #include "pdx/base/petsc_version.hpp"
 #include "pdx/mesh/build.hpp"
 
+#include "pdx/mesh/straight_cut.hpp"
+
 #include <algorithm>
 #include <metis.h>
 #include <numeric>
+#include <optional>
 #include <petsc/private/partitionerimpl.h>
+#include <string_view>
 
 namespace pdx::mesh {
 namespace {
@@ -107,6 +111,55 @@ std::vector<idx_t> cut(Graph& graph, idx_t parts, std::vector<real_t> shares, id
   return part;
 }
 
+constexpr const char* kMiddles = "pdx_middles";
+constexpr double kAsEven = 1.05; // heaviest part of a straight cut over that of METIS, at most
+
+double heaviest(std::span<const idx_t> weights, std::span<const idx_t> part, idx_t parts)
+{
+  std::vector<double> sums(static_cast<std::size_t>(parts), 0.0);
+  for (std::size_t c = 0; c < part.size(); ++c) sums[static_cast<std::size_t>(part[c])] += weights[c];
+  return *std::ranges::max_element(sums);
+}
+
+idx_t faces_cut(const Graph& graph, std::span<const idx_t> part)
+{
+  idx_t twice = 0;
+  for (idx_t c = 0; c < graph.size(); ++c)
+    for (idx_t k = graph.start[static_cast<std::size_t>(c)]; k < graph.start[static_cast<std::size_t>(c) + 1]; ++k)
+      twice += part[static_cast<std::size_t>(c)] !=
+               part[static_cast<std::size_t>(graph.neighbours[static_cast<std::size_t>(k)])];
+  return twice / 2;
+}
+
+/// Where the cells of the graph are, if that was noted [m].
+std::optional<std::span<const Vector<2>>> middles_of(PetscPartitioner partitioner, const Graph& graph)
+{
+  PetscObject noted = nullptr;
+  PDX_CALL(PetscObjectQuery(reinterpret_cast<PetscObject>(partitioner), kMiddles, &noted));
+  if (!noted || graph.size() == 0) return std::nullopt;
+  void* data = nullptr;
+  PDX_CALL(PetscContainerGetPointer(reinterpret_cast<PetscContainer>(noted), &data));
+  const auto& middles = *static_cast<const std::vector<Vector<2>>*>(data);
+  if (middles.size() != graph.weights.size()) return std::nullopt;
+  return std::span<const Vector<2>>(middles);
+}
+
+/// A straight cut in the place of METIS' where it costs the busiest part less, or was asked for.
+void prefer_straight(const Graph& graph, std::span<const Vector<2>> middles, idx_t parts, bool asked_for,
+                     std::vector<idx_t>& part, idx_t& edges_cut)
+{
+  const PlacedCells cells{middles, graph.weights};
+  std::vector<int> straight = straight_cut(cells, parts);
+  std::vector<bool> used(static_cast<std::size_t>(parts), false);
+  for (const int p : straight) used[static_cast<std::size_t>(p)] = true;
+  if (std::ranges::count(used, true) < std::min(parts, graph.size())) return; // too few lines
+  if (!asked_for && (heaviest(graph.weights, straight, parts) > kAsEven * heaviest(graph.weights, part, parts) ||
+                     busiest_window(cells, straight, parts) >= busiest_window(cells, part, parts)))
+    return;
+  part = std::move(straight);
+  edges_cut = faces_cut(graph, part);
+}
+
 void partition(PetscPartitioner partitioner, PetscInt parts, std::span<const PetscInt> start,
                const PetscInt* neighbours, PetscSection weights, PetscSection targets, std::vector<int>& mine)
 {
@@ -127,6 +180,9 @@ void partition(PetscPartitioner partitioner, PetscInt parts, std::span<const Pet
   graph.weights = gather(comm, vertex_shares, weight.data(), cells);
   graph.neighbours = gather(comm, edge_shares, neighbours, edges);
   std::vector<idx_t> part = cut(graph, parts, target_shares(targets, parts), partitioner->edgeCut);
+  const std::string_view type = reinterpret_cast<PetscObject>(partitioner)->type_name;
+  if (const auto middles = middles_of(partitioner, graph); middles && !part.empty() && type != "metis")
+    prefer_straight(graph, *middles, parts, type == "straight", part, partitioner->edgeCut);
   int failed = part.size() != graph.weights.size();
   MPI_Bcast(&failed, 1, MPI_INT, 0, comm);
   if (failed) throw SolverFailure("METIS could not cut the mesh: try -petscpartitioner_type ptscotch");
@@ -166,10 +222,23 @@ PetscErrorCode create_metis(PetscPartitioner partitioner)
 }
 } // namespace
 
-void register_metis_partitioner()
+void register_partitioners()
 {
   static bool done = false;
-  if (!done) PDX_CALL(PetscPartitionerRegister("metis", create_metis));
+  for (const char* type : {"auto", "metis", "straight"})
+    if (!done) PDX_CALL(PetscPartitionerRegister(type, create_metis));
   done = true;
+}
+
+void note_middles(PetscPartitioner partitioner, const std::vector<Vector<2>>& middles)
+{
+  MPI_Comm comm = MPI_COMM_NULL;
+  PetscContainer noted = nullptr;
+  PDX_CALL(PetscObjectGetComm(reinterpret_cast<PetscObject>(partitioner), &comm));
+  PDX_CALL(PetscContainerCreate(comm, &noted));
+  PDX_CALL(PetscContainerSetPointer(noted, const_cast<std::vector<Vector<2>>*>(&middles)));
+  PDX_CALL(
+      PetscObjectCompose(reinterpret_cast<PetscObject>(partitioner), kMiddles, reinterpret_cast<PetscObject>(noted)));
+  PDX_CALL(PetscContainerDestroy(&noted));
 }
 } // namespace pdx::mesh

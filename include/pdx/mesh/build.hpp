@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <petscpartitioner.h>
 
 namespace pdx::mesh {
 struct CellList;
@@ -26,17 +27,23 @@ double load(MPI_Comm comm, MeshOptions& options);
 /// Cost of a cell, from its corners (counter-clockwise), in any unit; must be above 0.
 using CellCost = std::function<int(const std::array<Vector<2>, 4>&)>;
 
-/// Makes the mesh, cuts it with the chosen PetscPartitioner (METIS by default) and flattens it. Collective.
-/// Throws UserError, alike on every rank, for a missing or broken file, triangles, or zero cells.
+/// Makes the mesh, cuts it with the chosen PetscPartitioner (METIS or straight lines by default) and flattens it.
+/// Collective. Throws UserError, alike on every rank, for a missing or broken file, triangles, or zero cells.
 Mesh build(MPI_Comm comm, const MeshOptions& options, const CellCost& cost);
 
 /// Costs of the cells as they were measured, above 0, by natural number; on rank 0 only.
 struct MeasuredCosts {
   std::vector<int> of_cell;
 };
-/// The same mesh cut anew by measured costs, by METIS whatever cut it at first. Collective.
+/// The same mesh cut anew by measured costs, by METIS or along lines whatever cut it at first. Collective.
 Mesh build_by_costs(MPI_Comm comm, const MeshOptions& options, const MeasuredCosts& costs);
 
-/// Registers the PetscPartitioner type "metis" (idempotent). Collective.
-void register_metis_partitioner();
+/// Registers the PetscPartitioner types "metis", "straight" (recursive bisection along lines) and "auto": of these two
+/// the one that costs the busiest rank less (idempotent). The last two know where cells are by `note_middles`, and are
+/// METIS without. Collective.
+void register_partitioners();
+
+/// Tells a partitioner where the cells of its graph are, in its order; on rank 0 all of them.
+/// @param middles outlives the partition [m]
+void note_middles(PetscPartitioner partitioner, const std::vector<Vector<2>>& middles);
 } // namespace pdx::mesh

@@ -203,7 +203,7 @@ TEST(MeshBuild, HugeCostsDoNotOverflow)
 
 TEST(MeshBuild, EveryPartitionerCanBeChosen)
 {
-  for (const char* type : {"metis", "ptscotch", "simple"}) {
+  for (const char* type : {"auto", "metis", "straight", "ptscotch", "simple"}) {
     PDX_CALL(PetscOptionsSetValue(nullptr, "-petscpartitioner_type", type));
     const Mesh mesh = box(8, 6);
     PDX_CALL(PetscOptionsClearValue(nullptr, "-petscpartitioner_type"));
@@ -216,7 +216,7 @@ TEST(MeshBuild, EveryPartitionerCanBeChosen)
 TEST(MeshBuild, MoreRanksThanCellsIsFine)
 {
   for (const auto& [nx, ny] : {std::pair(1, 1), std::pair(2, 1), std::pair(1, 3)})
-    for (const char* type : {"metis", "ptscotch", "simple"}) {
+    for (const char* type : {"auto", "metis", "straight", "ptscotch", "simple"}) {
       PDX_CALL(PetscOptionsSetValue(nullptr, "-petscpartitioner_type", type));
       const Mesh mesh = box(nx, ny);
       PDX_CALL(PetscOptionsClearValue(nullptr, "-petscpartitioner_type"));
