@@ -136,6 +136,11 @@ PostOptions PostOptions::read()
   if (p.j_domain && ring[0] >= ring[1])
     throw UserError(
         fmt::format("-post_j_domain is {},{}: the inner half-width must be below the outer", ring[0], ring[1]));
+  p.modes = o.boolean("-post_modes", false,
+                      "K_I, K_II and the T-stress apart, on the contours or the ring that J is asked for on");
+  if (p.modes && p.j_contours.empty() && !p.j_domain)
+    throw UserError("-post_modes says nothing of where: give -post_j_domain (a ring of elements) or -post_j_contours "
+                    "(squares in a patch)");
   p.energy_release = o.boolean("-post_energy_release", false,
                                "J as -dPi/da: two more solves, the tip moved either way by a lattice period");
   static constexpr const char* axes[] = {"none", "x", "y"};

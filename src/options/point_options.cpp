@@ -280,7 +280,8 @@ namespace {
 void refuse_other_physics(const SceneOptions& s)
 {
   static constexpr const char* never[] = {"-pd_cloud",      "-post_j_contours",     "-post_j_domain",
-                                          "-post_j_centre", "-post_energy_release", "-post_reference_fe"};
+                                          "-post_j_centre", "-post_energy_release", "-post_reference_fe",
+                                          "-post_modes"};
   static constexpr const char* alone[] = {"-crack_names",  "-material_toughness", "-pd_critical_stretch",
                                           "-kinematics",   "-xfem_quadrature",    "-adapt",
                                           "-couple_scheme"};

@@ -292,6 +292,7 @@ void judge_time(const SceneOptions& s)
       throw UserError("-couple_scheme interface is not symmetric and grows without bound in time: use energy or ghost");
     if (s.post.reference_fe || s.post.energy_release)
       throw UserError("-post_reference_fe and -post_energy_release compare equilibria: they need -analysis static");
+    if (s.post.modes) throw UserError("-post_modes is of equilibria: it needs -analysis static");
     return;
   }
   if (!s.output.times.empty()) throw UserError("-output_times acts in time: give -analysis explicit or implicit");

@@ -3,6 +3,8 @@
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/fem/elastic_kernel.hpp"
+#include "pdx/law/fracture.hpp"
+#include "pdx/post/tip_frame.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -27,6 +29,13 @@ fem::ElementVector corner_values(const mesh::Mesh& mesh, Index cell, std::span<c
     for (std::size_t d = 0; d < 2; ++d)
       values[static_cast<Eigen::Index>(2 * a + d)] = u[2 * static_cast<std::size_t>(mesh.cell(cell)[a]) + d];
   return values;
+}
+
+Vector<2> place(const fem::Corners& corners, const Eigen::Vector4d& shape)
+{
+  Vector<2> x = Vector<2>::Zero();
+  for (std::size_t a = 0; a < 4; ++a) x += shape[static_cast<Eigen::Index>(a)] * corners[a];
+  return x;
 }
 
 /// The integrand at a point [J/m^3].
@@ -62,6 +71,46 @@ void judge(const fem::ElasticBody& body, const crack::Tip& tip, const DomainRing
                     " holds cells under a peridynamic patch: choose an inner half-width that takes in the whole "
                     "patch, or an outer one that stays clear of it");
 }
+
+/// A quadrature point of the ring: of a cell whose corners move by `values` and have the weights `q`.
+struct RingPoint {
+  const fem::Gradients& gradients;
+  const fem::ElementVector& values;
+  const Eigen::Vector4d& q;
+  Vector<2> at; ///< [m]
+};
+
+/// Adds area * integrand over the ring, on this rank.
+template <class Integrand>
+void sweep_ring(const fem::ElasticBody& body, const crack::Tip& tip, const DomainRing& ring, std::span<const double> u,
+                const CellParts& parts, Integrand&& add)
+{
+  const auto over = [&](mesh::Use use, auto&& cell) {
+    for (const Index c : body.mesh.cells(use)) {
+      if (c >= body.mesh.owned_cells()) continue;
+      const Eigen::Vector4d q = weights(body.mesh.corners(c), tip.at, ring);
+      if (q.minCoeff() < 1.0 && q.maxCoeff() > 0.0) cell(c, q);
+    }
+  };
+  over(mesh::Use::plain, [&](Index c, const Eigen::Vector4d& q) {
+    const fem::Corners corners = body.mesh.corners(c);
+    const fem::ElementVector values = corner_values(body.mesh, c, u);
+    const auto rule = fem::gauss_rule(corners);
+    const fem::Gradients points = fem::gauss_points();
+    for (std::size_t k = 0; k < rule.size(); ++k)
+      add(rule[k].area,
+          RingPoint{rule[k].gradients, values, q, place(corners, fem::shape(points.col(static_cast<int>(k))))});
+  });
+  std::vector<PartOfCell> of_cell;
+  over(mesh::Use::cut, [&](Index c, const Eigen::Vector4d& q) {
+    const fem::Corners corners = body.mesh.corners(c);
+    of_cell.clear();
+    parts(c, of_cell);
+    for (const PartOfCell& part : of_cell)
+      for (const xfem::PartPoint& at : part.points)
+        add(at.area, RingPoint{at.gradients, part.corner_values, q, place(corners, at.shape)});
+  });
+}
 } // namespace
 
 double domain_j(const fem::ElasticBody& body, const crack::Tip& tip, const DomainRing& ring, std::span<const double> u,
@@ -71,32 +120,39 @@ double domain_j(const fem::ElasticBody& body, const crack::Tip& tip, const Domai
   Timed timed(event);
   judge(body, tip, ring);
   double j = 0.0;
-  const auto count = [&](mesh::Use use, auto&& integral) {
-    for (const Index c : body.mesh.cells(use)) {
-      if (c >= body.mesh.owned_cells()) continue;
-      const Eigen::Vector4d q = weights(body.mesh.corners(c), tip.at, ring);
-      if (q.minCoeff() < 1.0 && q.maxCoeff() > 0.0) j += integral(c, q);
-    }
-  };
-  count(mesh::Use::plain, [&](Index c, const Eigen::Vector4d& q) {
-    const fem::Corners corners = body.mesh.corners(c);
-    const fem::ElementVector values = corner_values(body.mesh, c, u);
-    double sum = 0.0;
-    for (const fem::QuadraturePoint& at : fem::gauss_rule(corners))
-      sum += at.area * integrand(body, at.gradients, values, q, tip.direction);
-    return sum;
-  });
-  std::vector<PartOfCell> of_cell;
-  count(mesh::Use::cut, [&](Index c, const Eigen::Vector4d& q) {
-    of_cell.clear();
-    parts(c, of_cell);
-    double sum = 0.0;
-    for (const PartOfCell& part : of_cell)
-      for (const xfem::PartPoint& at : part.points)
-        sum += at.area * integrand(body, at.gradients, part.corner_values, q, tip.direction);
-    return sum;
+  sweep_ring(body, tip, ring, u, parts, [&](double area, const RingPoint& p) {
+    j += area * integrand(body, p.gradients, p.values, p.q, tip.direction);
   });
   MPI_Allreduce(MPI_IN_PLACE, &j, 1, MPI_DOUBLE, MPI_SUM, body.mesh.comm());
   return j;
+}
+
+TipModes domain_modes(const fem::ElasticBody& body, const crack::Tip& tip, const DomainRing& ring,
+                      std::span<const double> u, const SideOfCrack& side, const CellParts& parts)
+{
+  static Event event("post_domain_modes");
+  Timed timed(event);
+  judge(body, tip, ring);
+  const Eigen::Matrix3d stiffness = body.law.stiffness();
+  const auto stress_of = [&stiffness](const Tensor<2>& h) {
+    const Eigen::Vector3d s = stiffness * Eigen::Vector3d(h(0, 0), h(1, 1), h(0, 1) + h(1, 0));
+    return Tensor<2>{{s[0], s[2]}, {s[2], s[1]}};
+  };
+  double sums[3] = {0.0, 0.0, 0.0};
+  const TipFrame frame(tip);
+  sweep_ring(body, tip, ring, u, parts, [&](double area, const RingPoint& p) {
+    const Tensor<2> h = Eigen::Map<const fem::Gradients>(p.values.data()) * p.gradients.transpose();
+    const Tensor<2> stress = stress_of(h);
+    const Vector<2> grad_q = p.gradients * p.q;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Tensor<2> known = frame.gradient(kTipLoads[k], body.law, p.at, side);
+      sums[k] +=
+          area * ((known * tip.direction).dot(stress * grad_q) + (h * tip.direction).dot(stress_of(known) * grad_q) -
+                  stress.cwiseProduct(known).sum() * grad_q.dot(tip.direction));
+    }
+  });
+  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, body.mesh.comm());
+  const double modulus = law::crack_modulus(body.law);
+  return {0.5 * modulus * sums[0], 0.5 * modulus * sums[1], modulus * sums[2]};
 }
 } // namespace pdx::post

@@ -1,8 +1,6 @@
 #include "pdx/record/crack_results.hpp"
 
 #include "pdx/law/fracture.hpp"
-#include "pdx/post/domain_j.hpp"
-#include "pdx/post/nonlocal_j.hpp"
 #include "pdx/solve/static_driver.hpp"
 
 #include <algorithm>
@@ -13,16 +11,10 @@
 
 namespace pdx::record {
 namespace {
-std::optional<std::size_t> patch_at(const scene::PatchPlan& plan, const Vector<2>& x)
-{
-  for (std::size_t p = 0; p < plan.shapes.size(); ++p)
-    if (plan.shapes[p].holds(x, 1e-6 * plan.shapes[p].lattice.dx)) return p;
-  return std::nullopt;
-}
-
 /// A place J is asked for: a tip as it is now, or where the user says (then it belongs to none).
 struct Centre {
   crack::Tip tip;
+  const CrackEnd* end = nullptr; ///< nearest; null without cracks
   std::optional<std::size_t> number;
 };
 
@@ -30,7 +22,7 @@ std::vector<Centre> centres(const Solved& s, const CrackState& state)
 {
   std::vector<Centre> list;
   for (std::size_t t = 0; t < state.ends.size(); ++t) {
-    list.push_back({state.ends[t].given, t});
+    list.push_back({state.ends[t].given, &state.ends[t], t});
     list.back().tip.at = state.ends[t].at_farthest();
     list.back().tip.direction = state.ends[t].direction;
   }
@@ -38,63 +30,39 @@ std::vector<Centre> centres(const Solved& s, const CrackState& state)
   if (!wanted) return list;
   Centre centre;
   const auto distance = [&](const Centre& c) { return (c.tip.at - *wanted).norm(); };
-  if (!list.empty()) centre.tip = std::ranges::min_element(list, {}, distance)->tip;
+  if (!list.empty()) centre = *std::ranges::min_element(list, {}, distance);
+  centre.number.reset();
   centre.tip.at = *wanted;
   return {centre};
 }
 
-std::vector<post::ContourJ> contours_at(const Solved& s, const crack::Tip& tip, std::span<const double> density)
+/// What is asked for of a tip on contours: `j_by_contour`, and `modes_by_contour` with K_I, K_II and T behind the
+/// sides. A tip that grew may leave no room for its contours: then there is neither.
+nlohmann::json contour_results(const Solved& s, const Centre& centre, std::span<const double> density)
 {
-  const auto patch = patch_at(s.plan, tip.at);
-  if (!patch || !s.d.bonds) return {};
-  const pd::LatticePart<2>& part = *s.d.bonds->parts()[*patch];
-  std::vector<post::SquareContour> contours;
-  for (const double side : s.options.post.j_contours) contours.push_back({tip.at, side});
-  const post::PatchState state{
-      s.mesh.comm(),  part, s.options.bond_kinematics(), s.u, density, s.d.carried ? part.stencil().reach : 1,
-      s.options.frame};
-  return post::nonlocal_j(state, tip.direction, contours);
-}
-
-/// A tip that grew may leave no room for its contours: then there is no J of it.
-nlohmann::json contour_results(const Solved& s, const crack::Tip& tip, std::span<const double> density)
-{
-  nlohmann::json list = nlohmann::json::array();
+  nlohmann::json results = nlohmann::json::object();
   try {
-    for (const post::ContourJ& contour : contours_at(s, tip, density)) list.push_back({contour.side, contour.j});
+    const std::vector<post::ContourJ> contours = contour_j(s, centre.tip, density);
+    for (const post::ContourJ& contour : contours) results["j_by_contour"].push_back({contour.side, contour.j});
+    if (!s.options.post.modes || !centre.end) return results;
+    const auto modes = contour_modes(s, centre.tip, side_of(s.d, *centre.end), contours);
+    for (std::size_t c = 0; c < modes.size(); ++c)
+      results["modes_by_contour"].push_back({contours[c].side, modes[c].opening, modes[c].sliding, modes[c].along});
   } catch (const UserError&) {
     if (!s.d.fracture) throw;
   }
-  return list;
+  return results;
 }
 
-/// Corner values of either side of a cut element.
-void parts_of(const Solved& s, const xfem::CutElement& cut, std::vector<post::PartOfCell>& parts)
+nlohmann::json domain_results(const Solved& s, const Centre& centre)
 {
-  const field::RowHalo& halo = *s.d.system.halo;
-  const auto value = [&](PetscInt row) {
-    const auto at = 2 * static_cast<std::size_t>(halo.local(row));
-    return Vector<2>(s.u[at], s.u[at + 1]);
-  };
-  for (const xfem::Side side : xfem::kSides) {
-    post::PartOfCell part{cut.element.cell.points(side), fem::ElementVector::Zero()};
-    for (std::size_t a = 0; a < 4; ++a) {
-      Vector<2> corner = value(s.d.node_rows[static_cast<std::size_t>(s.mesh.cell(cut.cell)[a])]);
-      if (const double factor = xfem::set_factor(cut, a, side); factor != 0.0) corner += factor * value(cut.sets[a]);
-      part.corner_values.segment<2>(static_cast<Eigen::Index>(2 * a)) = corner;
-    }
-    parts.push_back(part);
-  }
-}
-
-double domain_result(const Solved& s, const crack::Tip& tip)
-{
-  const auto parts = [&](Index cell, std::vector<post::PartOfCell>& into) {
-    for (const xfem::CutElement& cut : s.d.sets->all_of(cell)) parts_of(s, cut, into);
-  };
-  return post::domain_j({s.mesh, s.options.elastic, s.options.element_kinematics()}, tip,
-                        {(*s.options.post.j_domain)[0], (*s.options.post.j_domain)[1], s.options.frame},
-                        s.d.node_field->displacement(s.u), parts);
+  nlohmann::json results{{"j_domain", domain_j(s, centre.tip)}};
+  if (!s.options.post.modes || !centre.end) return results;
+  const post::TipModes modes = domain_modes(s, centre.tip, side_of(s.d, *centre.end));
+  results["k1_domain"] = modes.opening;
+  results["k2_domain"] = modes.sliding;
+  results["t_stress_domain"] = modes.along;
+  return results;
 }
 
 /// The shortest way along a direction from a site of a lattice to another, nearly: a tip that is moved by it stands to
@@ -157,7 +125,7 @@ void require_contours(const Solved& s)
     const auto patch = patch_at(s.plan, centre.tip.at);
     if (!patch) continue;
     any = true;
-    (void)contours_at(s, centre.tip, nothing);
+    (void)contour_j(s, centre.tip, nothing);
     const auto& stencil = s.plan.stencils[*patch];
     const double reach = stencil.reach * stencil.dx;
     for (const double side : s.options.post.j_contours)
@@ -231,21 +199,26 @@ void add_crack_results(const Solved& s, const CrackState& state, std::span<const
 
   std::vector<double> density;
   if (s.d.bonds && !s.options.post.j_contours.empty()) density = s.d.energy_density(s.u);
+  const auto add = [&](const Centre& centre, const nlohmann::json& found) { // at the top level of the first of its kind
+    for (const auto& [key, value] : found.items()) {
+      if (centre.number) tips[*centre.number][key] = value;
+      if (!results.contains(key)) results[key] = value;
+    }
+  };
   for (const Centre& centre : centres(s, state)) {
-    nlohmann::json contours = density.empty() ? nlohmann::json() : contour_results(s, centre.tip, density);
-    if (!contours.empty() && !results.contains("j_integral")) { // of the first tip in a patch
+    const nlohmann::json on_contours = density.empty() ? nlohmann::json() : contour_results(s, centre, density);
+    if (on_contours.contains("j_by_contour") && !results.contains("j_integral")) { // of the first tip in a patch
+      const nlohmann::json& contours = on_contours["j_by_contour"];
       const double middle = contours[contours.size() / 2][1];
-      results["j_by_contour"] = contours;
       results["j_integral"] = middle;
       results["stress_intensity"] = law::stress_intensity(middle, s.options.elastic);
     }
-    if (!contours.empty() && centre.number) tips[*centre.number]["j_by_contour"] = contours;
+    add(centre, on_contours);
     if (!s.options.post.j_domain) continue;
-    const double j = domain_result(s, centre.tip);
-    if (centre.number) tips[*centre.number]["j_domain"] = j;
-    if (results.contains("j_domain")) continue;
-    results["j_domain"] = j;
-    if (!results.contains("j_integral")) results["stress_intensity"] = law::stress_intensity(j, s.options.elastic);
+    const nlohmann::json on_ring = domain_results(s, centre);
+    if (!results.contains("j_domain") && !results.contains("j_integral"))
+      results["stress_intensity"] = law::stress_intensity(on_ring["j_domain"], s.options.elastic);
+    add(centre, on_ring);
   }
   if (!tips.empty()) results["tips"] = tips;
 }

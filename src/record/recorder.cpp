@@ -53,6 +53,7 @@ void Recorder::open_history()
     columns.insert(columns.end(), {{"energy_fracture", "J"}, {"passes", "-"}, {"bonds_broken", "-"}});
     cracks_->add_columns(columns);
   }
+  if (options_.post.modes) cracks_->add_mode_columns(columns);
   files_.add_layout_columns(columns);
   files_.add_reaction_columns(columns);
   files_.expect_history(std::move(columns));
@@ -79,7 +80,7 @@ void Recorder::take_stock(const solve::Step& step, Vec u, const solve::StaticDri
   ledger_->accept(step.load, local, force, mine);
 }
 
-void Recorder::write_history(const solve::Step& step)
+void Recorder::write_history(const solve::Step& step, Vec u)
 {
   const post::EnergyBalance& balance = ledger_->balance();
   std::vector<double> row{static_cast<double>(step.number), step.load, balance.energies.elements,
@@ -90,6 +91,12 @@ void Recorder::write_history(const solve::Step& step)
     row.insert(row.end(), {balance.energies.dissipated, static_cast<double>(step.passes),
                            static_cast<double>(d_->fracture->broken())});
     cracks_->add_row(row);
+  }
+  if (options_.post.modes) {
+    std::vector<double> local;
+    d_->system.halo->gather(u, local);
+    cracks_->add_modes(modes_of_tips({*files_.scene.mesh, options_, *files_.scene.plan, *d_, local}, cracks_->now()),
+                       row);
   }
   files_.add_layout_row(row, converted_);
   row.insert(row.end(), reactions_.now.begin(), reactions_.now.end());
@@ -129,7 +136,7 @@ void Recorder::accept(const solve::Step& step, Vec u, const solve::StaticDriver&
   const bool looks = last || step.number % options_.output.history_interval == 0;
   load_ = step.load;
   if (looks) cracks_->look(*d_, load_);
-  if (files_.history && looks) write_history(step);
+  if (files_.history && looks) write_history(step, u);
   const bool due = last || step.number % options_.output.interval == 0;
   fields_due_ = due ? std::nullopt : std::optional(step);
   if (files_.fields && due) write_fields(step, u, error ? &*error : nullptr);

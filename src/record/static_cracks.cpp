@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 
 namespace pdx::record {
 StaticCracks::StaticCracks(const RunFiles& files) : files_(files)
@@ -32,6 +33,24 @@ void StaticCracks::add_row(std::vector<double>& row) const
     const Vector<2> at = files_.options.frame.given<2>(end.tip());
     row.insert(row.end(), {at[0], at[1]});
   }
+}
+
+void StaticCracks::add_mode_columns(std::vector<io::Column>& columns) const
+{
+  for (std::size_t t = 0; t < now_.ends.size(); ++t)
+    columns.insert(columns.end(), {{fmt::format("tip{}_k1", t + 1), "Pa m^0.5"},
+                                   {fmt::format("tip{}_k2", t + 1), "Pa m^0.5"},
+                                   {fmt::format("tip{}_t_stress", t + 1), "Pa"}});
+}
+
+void StaticCracks::add_modes(std::span<const std::optional<post::TipModes>> modes, std::vector<double>& row)
+{
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& of_tip : modes)
+    if (of_tip)
+      row.insert(row.end(), {of_tip->opening, of_tip->sliding, of_tip->along});
+    else
+      row.insert(row.end(), {none, none, none});
 }
 
 void StaticCracks::look(const scene::Discretisation& d, double load)

@@ -1,18 +1,9 @@
 #pragma once
-#include "pdx/record/crack_state.hpp"
+#include "pdx/record/tip_j.hpp"
 
 #include <nlohmann/json_fwd.hpp>
 
 namespace pdx::record {
-/// A scene in equilibrium. All that is pointed to must outlive it.
-struct Solved {
-  mesh::Mesh& mesh;
-  const options::SceneOptions& options;
-  const scene::PatchPlan& plan;
-  const scene::Discretisation& d;
-  std::span<const double> u; ///< local blocks [owned | halo] [m]
-};
-
 /// Refuses contours that do not fit, lie outside all patches or come within a bond of the tip they are to hold, and a
 /// moved tip that would leave its patch: before anything is solved. Collective.
 void require_contours(const Solved& solved);
@@ -23,7 +14,7 @@ void require_contours(const Solved& solved);
 std::vector<double> energy_release(mesh::Mesh& mesh, const options::SceneOptions& options, const scene::PatchPlan& plan,
                                    std::span<const pd::Particle> particles, bool assembled);
 
-/// Adds J on contours and over elements, the stress intensity and the tips to the results. Collective.
+/// Adds J, and modes if asked for, on contours and over elements, the stress intensity and the tips to the results. Collective.
 /// @param release of `energy_release`, empty if nobody asked
 void add_crack_results(const Solved& solved, const CrackState& state, std::span<const double> release,
                        nlohmann::json& results);

@@ -53,7 +53,7 @@ private:
   std::string said_so_far(const solve::StaticReport& report) const;
   void open_history();
   void take_stock(const solve::Step& step, Vec u, const solve::StaticDriver& driver);
-  void write_history(const solve::Step& step);
+  void write_history(const solve::Step& step, Vec u);
   void write_fields(const solve::Step& step, Vec u, const post::DisplacementError* error);
   void write_results(Vec u, const Prior& prior, const post::DisplacementError* error);
   void print_phases(const solve::StaticReport& report);

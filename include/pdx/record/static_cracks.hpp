@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/record/crack_state.hpp"
 #include "pdx/record/run_files.hpp"
+#include "pdx/record/tip_j.hpp"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -19,6 +20,11 @@ public:
 
   void add_columns(std::vector<io::Column>& columns) const;
   void add_row(std::vector<double>& row) const;
+  /// K_I, K_II and T of each tip, not a number where there are none.
+  ///@{
+  void add_mode_columns(std::vector<io::Column>& columns) const;
+  static void add_modes(std::span<const std::optional<post::TipModes>> modes, std::vector<double>& row);
+  ///@}
 
   /// Looks again, if bonds broke since the last look.
   void look(const scene::Discretisation& d, double load);

@@ -1,6 +1,6 @@
 #include "pdx/law/fracture.hpp"
 #include "pdx/mesh/build.hpp"
-#include "pdx/post/domain_j.hpp"
+#include "pdx/post/tip_modes.hpp"
 
 #include <gtest/gtest.h>
 #include <map>
@@ -11,11 +11,13 @@ using namespace pdx;
 namespace {
 constexpr double kK = 2.0; // [Pa m^0.5]
 
-/// Mode I near the tip [Williams, 1957] of a crack in the origin that grows along `direction`, as the field left
-/// (side +1) or right (-1) of the crack, each continued smoothly across it; side 0: the branch of the point itself.
+/// Mode I, and if asked for mode II and uniform stress along the crack, near the tip [Williams, 1957] of a crack in the
+/// origin that grows along `direction`, as the field left (side +1) or right (-1) of the crack, each continued smoothly
+/// across it; side 0: the branch of the point itself.
 struct Williams {
   law::Elastic law;
   Vector<2> direction = Vector<2>::UnitX();
+  double opening = kK, sliding = 0.0, along = 0.0; ///< K_I, K_II [Pa m^0.5], stress along the crack [Pa]
 
   Vector<2> at(const Vector<2>& x, int side) const
   {
@@ -26,17 +28,23 @@ struct Williams {
     if (side < 0 && angle > 0.5 * std::numbers::pi) angle -= 2.0 * std::numbers::pi;
     const double nu = law.poisson, c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
     const double kappa = law.plane == law::Plane::stress ? (3.0 - nu) / (1.0 + nu) : 3.0 - 4.0 * nu;
-    const double scale = kK / (2.0 * law.mu()) * std::sqrt(y.norm() / (2.0 * std::numbers::pi));
-    return frame.transpose() * (scale * Vector<2>(c * (kappa - 1.0 + 2.0 * s * s), s * (kappa + 1.0 - 2.0 * c * c)));
+    const double scale = 1.0 / (2.0 * law.mu()) * std::sqrt(y.norm() / (2.0 * std::numbers::pi));
+    const Vector<2> one(c * (kappa - 1.0 + 2.0 * s * s), s * (kappa + 1.0 - 2.0 * c * c));
+    const Vector<2> two(s * (kappa + 1.0 + 2.0 * c * c), -c * (kappa - 1.0 - 2.0 * s * s));
+    const Vector<2> uniform = along / (8.0 * law.mu()) * Vector<2>((kappa + 1.0) * y.x(), (kappa - 3.0) * y.y());
+    return frame.transpose() * (scale * (opening * one + sliding * two) + uniform);
   }
 };
 
 /// [-1, 1]^2 with the crack through the cells: the field at the vertices, and both sides of the cut cells.
 class KField {
 public:
-  KField(const law::Elastic& law, const Vector<2>& direction, Index cells) : field_{law, direction}, mesh_(build(cells))
+  KField(const law::Elastic& law, const Vector<2>& direction, Index cells)
+      : KField(Williams{law, direction, kK, 0.0, 0.0}, cells)
+  {}
+  KField(const Williams& field, Index cells) : field_(field), mesh_(build(cells))
   {
-    tip_.direction = direction;
+    tip_.direction = field.direction;
     for (Index v = 0; v < mesh_.vertices(); ++v) {
       const Vector<2> value = field_.at(mesh_.point(v), 0);
       u_.insert(u_.end(), {value.x(), value.y()});
@@ -48,11 +56,14 @@ public:
 
   double j(const post::DomainRing& ring, fem::Kinematics kinematics = fem::Kinematics::small) const
   {
-    return post::domain_j({mesh_, field_.law, kinematics}, tip_, ring, u_,
-                          [this](Index c, std::vector<post::PartOfCell>& parts) {
-                            for (const xfem::Side side : {xfem::Side::minus, xfem::Side::plus})
-                              parts.push_back({cut_.at(c).points(side), values(c, side == xfem::Side::plus ? 1 : -1)});
-                          });
+    return post::domain_j({mesh_, field_.law, kinematics}, tip_, ring, u_, parts());
+  }
+  post::TipModes modes(const post::DomainRing& ring) const
+  {
+    const auto side = [this](const Vector<2>& x) {
+      return tip_.direction.x() * x.y() - tip_.direction.y() * x.x() >= 0.0 ? 1 : -1;
+    };
+    return post::domain_modes({mesh_, field_.law, fem::Kinematics::small}, tip_, ring, u_, side, parts());
   }
   double exact() const { return kK * kK / law::crack_modulus(field_.law); }
 
@@ -79,6 +90,14 @@ private:
     if (!(behind && left && right)) return;
     mesh_.cut(c);
     cut_.emplace(c, xfem::cut_cell(corners, distance, xfem::Quadrature::polygons));
+  }
+
+  post::CellParts parts() const
+  {
+    return [this](Index c, std::vector<post::PartOfCell>& parts) {
+      for (const xfem::Side side : {xfem::Side::minus, xfem::Side::plus})
+        parts.push_back({cut_.at(c).points(side), values(c, side == xfem::Side::plus ? 1 : -1)});
+    };
   }
 
   fem::ElementVector values(Index c, int side) const
@@ -158,6 +177,19 @@ TEST(DomainJ, OfFiniteStrainTendsToThatOfSmallStrain)
   const KField field(stiff, Vector<2>::UnitX(), 61);
   const double small = field.j({0.4, 0.8});
   EXPECT_NEAR(field.j({0.4, 0.8}, fem::Kinematics::finite), small, 1e-5 * small);
+}
+
+TEST(TipModes, AreThoseOfTheField)
+{
+  for (const law::Elastic& law : {kPlate, kThick})
+    for (const double angle : {0.0, 2.5, -0.4}) {
+      const KField field({law, {std::cos(angle), std::sin(angle)}, 2.0, -1.5, 0.8}, 61);
+      const post::TipModes modes = field.modes({0.4, 0.8});
+      EXPECT_NEAR(modes.opening, 2.0, 0.005) << angle;
+      EXPECT_NEAR(modes.sliding, -1.5, 0.005) << angle;
+      EXPECT_NEAR(modes.along, 0.8, 0.01) << angle;
+      EXPECT_NEAR(field.j({0.4, 0.8}), 6.25 / law::crack_modulus(law), 0.005 * 6.25 / law::crack_modulus(law));
+    }
 }
 
 TEST(StressIntensity, OfNoReleaseIsZero)
