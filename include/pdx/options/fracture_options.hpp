@@ -44,7 +44,7 @@ struct PostOptions {
   std::vector<double> j_contours;                ///< sides of the square contours [m]
   std::optional<Vector<2>> j_centre;             ///< instead of the crack's tip [m]
   std::optional<std::array<double, 2>> j_domain; ///< half-widths of the ring of elements [m]
-  bool modes = false; ///< K_I, K_II and T apart, wherever J is worked out
+  bool modes = false;                            ///< K_I, K_II and T apart, wherever J is worked out
   bool energy_release = false;
   bool precrack_as_damage = false;
   int section = -1;         ///< axis across which the first broken section is looked for; -1: none

@@ -14,7 +14,8 @@ void require_contours(const Solved& solved);
 std::vector<double> energy_release(mesh::Mesh& mesh, const options::SceneOptions& options, const scene::PatchPlan& plan,
                                    std::span<const pd::Particle> particles, bool assembled);
 
-/// Adds J, and modes if asked for, on contours and over elements, the stress intensity and the tips to the results. Collective.
+/// Adds J, and modes if asked for, on contours and over elements, the stress intensity and the tips to the results.
+/// Collective.
 /// @param release of `energy_release`, empty if nobody asked
 void add_crack_results(const Solved& solved, const CrackState& state, std::span<const double> release,
                        nlohmann::json& results);
