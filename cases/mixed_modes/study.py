@@ -59,9 +59,9 @@ def picture(out):
         figure, (values, errors) = plt.subplots(1, 2, figsize=(9.2, 3.4), layout="constrained")
         angles = np.linspace(0, 80, 161)
         exact = np.array([closed_form.modes(a) for a in angles]) / (closed_form.K0, closed_form.K0, closed_form.STRESS)
-        for column, label in enumerate((r"$K_I/K_0$", r"$K_{II}/K_0$", r"$T/\sigma$")):
+        for column, (label, side) in enumerate(((r"$K_I/K_0$", "left"), (r"$K_{II}/K_0$", "right"), (r"$T/\sigma$", "right"))):
             values.plot(angles, exact[:, column], "k-", linewidth=0.9)
-            values.annotate(label, (angles[40], exact[40, column]), xytext=(-2, 7), textcoords="offset points", ha="right")
+            values.annotate(label, (angles[44], exact[44, column]), xytext=(0, 6), textcoords="offset points", ha=side)
         scale = (closed_form.K0, closed_form.K0, closed_form.STRESS)
         for way in ("ring", "contours"):
             for degrees in ANGLES:
