@@ -54,14 +54,20 @@ nlohmann::json contour_results(const Solved& s, const Centre& centre, std::span<
   return results;
 }
 
+/// The same over the ring of elements, which a tip that grew may leave no room for either.
 nlohmann::json domain_results(const Solved& s, const Centre& centre)
 {
-  nlohmann::json results{{"j_domain", domain_j(s, centre.tip)}};
-  if (!s.options.post.modes || !centre.end) return results;
-  const post::TipModes modes = domain_modes(s, centre.tip, side_of(s.d, *centre.end));
-  results["k1_domain"] = modes.opening;
-  results["k2_domain"] = modes.sliding;
-  results["t_stress_domain"] = modes.along;
+  nlohmann::json results = nlohmann::json::object();
+  try {
+    results["j_domain"] = domain_j(s, centre.tip);
+    if (!s.options.post.modes || !centre.end) return results;
+    const post::TipModes modes = domain_modes(s, centre.tip, side_of(s.d, *centre.end));
+    results["k1_domain"] = modes.opening;
+    results["k2_domain"] = modes.sliding;
+    results["t_stress_domain"] = modes.along;
+  } catch (const UserError&) {
+    if (!s.d.fracture) throw;
+  }
   return results;
 }
 
@@ -216,7 +222,7 @@ void add_crack_results(const Solved& s, const CrackState& state, std::span<const
     add(centre, on_contours);
     if (!s.options.post.j_domain) continue;
     const nlohmann::json on_ring = domain_results(s, centre);
-    if (!results.contains("j_domain") && !results.contains("j_integral"))
+    if (on_ring.contains("j_domain") && !results.contains("j_domain") && !results.contains("j_integral"))
       results["stress_intensity"] = law::stress_intensity(on_ring["j_domain"], s.options.elastic);
     add(centre, on_ring);
   }
