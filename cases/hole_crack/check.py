@@ -32,7 +32,8 @@ class Check(case_check.Check):
 
     def exact(self):
         for ratio, newman in published.NEWMAN[[5, 10, 14]]:
-            self.expect_near(f"dislocations at {ratio - 1:g} R, of Newman's figures", exact.factor(ratio - 1, 2) / np.sqrt(ratio / (ratio - 1)), newman, 1e-3)
+            found = exact.factor(ratio - 1, 2) / np.sqrt(ratio / (ratio - 1))
+            self.expect_near(f"dislocations at {ratio - 1:g} R, of Newman's figures", found, newman, 1e-3)
 
     def cracks(self):
         for name, run in zip(("particles", "elements"), self.run_at_once(("case", 1), ("elements", 1))):

@@ -32,6 +32,8 @@ GROUPS = [
     ("Angular momentum", r"angular_momentum.*"),
     ("Mean velocity of bodies", r"velocity_.*"),
     ("J", r"j_.*|energy_release.*"),
+    ("Stress intensity of tips", r"tip\d+_k[12]"),
+    ("T-stress of tips", r"tip\d+_t_stress"),
     ("Solves", r"newton.*|linear.*|iterations.*|halvings"),
 ]
 
