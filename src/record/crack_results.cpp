@@ -1,5 +1,6 @@
 #include "pdx/record/crack_results.hpp"
 
+#include "pdx/adapt/energy_trial.hpp"
 #include "pdx/law/fracture.hpp"
 #include "pdx/post/domain_j.hpp"
 #include "pdx/post/nonlocal_j.hpp"
@@ -230,7 +231,7 @@ void add_crack_results(const Solved& s, const CrackState& state, std::span<const
   if (!release.empty()) results["energy_release_rate"] = release.front();
 
   std::vector<double> density;
-  if (s.d.bonds && !s.options.post.j_contours.empty()) density = s.d.energy_density(s.u);
+  if (s.d.bonds && !s.options.post.j_contours.empty()) density = adapt::energy_density(s.d.view(s.mesh), s.u);
   for (const Centre& centre : centres(s, state)) {
     nlohmann::json contours = density.empty() ? nlohmann::json() : contour_results(s, centre.tip, density);
     if (!contours.empty() && !results.contains("j_integral")) { // of the first tip in a patch
