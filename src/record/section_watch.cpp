@@ -41,17 +41,13 @@ void sum_alike(std::vector<Column>& columns)
 
 std::vector<Column> columns_here(const RunFiles& files, std::size_t axis)
 {
-  const scene::Discretisation& d = *files.scene.d;
-  const couple::ParticleDamage all = couple::particle_damage(d.system.rows, *d.bonds, d.carried);
   std::vector<Column> columns;
-  for (std::size_t k = 0; k < d.particles.size(); ++k) {
-    const pd::Particle& particle = d.particles[k];
-    const couple::PatchShape& shape = files.scene.plan->shapes[static_cast<std::size_t>(particle.patch)];
-    const std::int64_t number = shape.names.first[axis] + shape.active.site(particle.site)[axis];
-    const bool damaged = all.damage[k] + all.precrack[k] >= files.options.post.tip_damage;
-    columns.push_back({files.scene.mesh->body(particle.cell), shape.names.lattice, number, 1, all.damage[k] > 1e-9,
-                       damaged, particle.x[static_cast<Eigen::Index>(axis)], shape.lattice.dx});
-  }
+  for (const auto& part : files.scene.model->parts)
+    for (const scene::SeenParticle& particle : part->seen()) {
+      const bool damaged = particle.damage + particle.precrack >= files.options.post.tip_damage;
+      columns.push_back({particle.body, particle.lattice, particle.number[axis], 1, particle.damage > 1e-9, damaged,
+                         particle.at[static_cast<Eigen::Index>(axis)], particle.spacing});
+    }
   sum_alike(columns);
   return columns;
 }
@@ -60,7 +56,7 @@ std::vector<Column> columns_here(const RunFiles& files, std::size_t axis)
 void SectionWatch::look(double time, std::int64_t bonds_broken)
 {
   using sections::Column;
-  if (time_ >= 0.0 || bonds_broken == broken_ || !files_.scene.d || !files_.scene.d->bonds) return;
+  if (time_ >= 0.0 || bonds_broken == broken_) return;
   broken_ = bonds_broken;
   std::vector<Column> columns =
       gather_all(files_.comm(), sections::columns_here(files_, static_cast<std::size_t>(files_.options.post.section)));
