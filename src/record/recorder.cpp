@@ -95,8 +95,7 @@ void Recorder::write_history(const solve::Step& step, Vec u)
   if (options_.post.modes) {
     std::vector<double> local;
     d_->system.halo->gather(u, local);
-    cracks_->add_modes(modes_of_tips({*files_.scene.mesh, options_, *files_.scene.plan, *d_, local}, cracks_->now()),
-                       row);
+    cracks_->add_modes(modes_of_tips({*files_.scene.mesh, options_, *d_->patch_plan, *d_, local}, cracks_->now()), row);
   }
   files_.add_layout_row(row, converted_);
   row.insert(row.end(), reactions_.now.begin(), reactions_.now.end());
