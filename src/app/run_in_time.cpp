@@ -162,7 +162,8 @@ private:
     const std::vector<double> density = d.energy_density(driver_->local());
     const adapt::SceneView view = scene_->view();
     const adapt::EnergyTrial trial(view, {driver_->local(), density, files_.options.elastic,
-                                          files_.options.element_kinematics(), kMostRise * energies.elastic()});
+                                          files_.options.element_kinematics(), kMostRise * energies.elastic(),
+                                          files_.options.regions.get()});
     adapt::LayoutChange behind =
         mover_.contract(view, *files_.scene.plan,
                         [&trial](Index cell, const crack::CrackSet& paths) { return trial.allows(cell, paths); });

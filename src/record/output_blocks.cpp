@@ -69,11 +69,16 @@ field::OutputBlock mesh_block(const mesh::Mesh& mesh, const options::SceneOption
   }
   block.fields.push_back(displacement_field<2>(displacement, owned));
   block.fields.push_back(
-      stress_field(fem::nodal_stress({mesh, options.elastic, options.element_kinematics()}, displacement)));
+      stress_field(fem::nodal_stress({mesh, options.elastic, options.element_kinematics(), options.regions.get()}, displacement)));
   if (options.post.reference_fe)
     block.fields.push_back({"relative_error_percent [%]", field::Rank::scalar, false, false, relative_percent});
   block.fields.push_back(std::move(use));
   block.fields.push_back(std::move(rank));
+  if (options.regions) {
+    field::OutputField region{"region", field::Rank::scalar, true, true, {}};
+    for (Index c = 0; c < mesh.owned_cells(); ++c) region.values.push_back(options.regions->at(mesh.centroid(c)));
+    block.fields.push_back(std::move(region));
+  }
   return block;
 }
 
@@ -127,7 +132,8 @@ field::OutputBlock particle_block(const options::SceneOptions& options, const Pa
   const auto begin = static_cast<std::size_t>(scene.system.rows.first_particle());
   field::OutputField energy{"strain_energy_density [J/m^3]", field::Rank::scalar, false, false, {}};
   field::OutputField kind{"kind", field::Rank::scalar, false, true, {}},
-      owner{"rank", field::Rank::scalar, false, true, {}}, patch{"patch", field::Rank::scalar, false, true, {}};
+      owner{"rank", field::Rank::scalar, false, true, {}}, patch{"patch", field::Rank::scalar, false, true, {}},
+      region{"region", field::Rank::scalar, false, true, {}};
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
     const pd::Particle& particle = scene.particles[k];
     const auto p = static_cast<std::size_t>(particle.patch);
@@ -138,6 +144,7 @@ field::OutputBlock particle_block(const options::SceneOptions& options, const Pa
     kind.values.push_back(kind_of<Dim>(scene, k));
     owner.values.push_back(rank);
     patch.values.push_back(particle.patch);
+    if (options.regions) region.values.push_back(options.regions->at({x[0], x[1]}));
   }
   block.fields.push_back(displacement_field<Dim>(local.subspan(Dim * begin), scene.particles.size()));
   if (scene.damaged) add_damage<Dim>(options, scene, block);
@@ -145,6 +152,7 @@ field::OutputBlock particle_block(const options::SceneOptions& options, const Pa
   block.fields.push_back(std::move(kind));
   block.fields.push_back(std::move(owner));
   block.fields.push_back(std::move(patch));
+  if (options.regions) block.fields.push_back(std::move(region));
   return block;
 }
 } // namespace

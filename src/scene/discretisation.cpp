@@ -94,7 +94,8 @@ std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const options::Scene
     row += static_cast<Index>(sites.size());
     parts.push_back(std::make_unique<pd::LatticePart<2>>(
         d.system.rows, geom::ActiveLattice<2>{plan.shapes[p].lattice, plan.shapes[p].active}, plan.stencils[p],
-        std::move(sites), first, correction(options, plan, d, p)));
+        std::move(sites), first, in_regions(options, plan.stencils[p], correction(options, plan, d, p)),
+        options.regions));
   }
   return parts;
 }
@@ -186,7 +187,8 @@ void add_peridynamics(const mesh::Mesh& mesh, const options::SceneOptions& optio
                                            d.cracks.empty() ? nullptr : &d.cracks,
                                            d.seams.empty() ? nullptr : &d.seams,
                                            options.fracture.no_fail,
-                                           options.frame};
+                                           options.frame,
+                                           options.regions.get()};
     auto carried = couple::carry_bonds(d.system.rows, coupling, parts, d.around);
     d.carried = carried.get();
     d.system.terms.push_back(std::move(carried));
@@ -203,13 +205,15 @@ void add_elements(const mesh::Mesh& mesh, const options::SceneOptions& options, 
 {
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::plain).empty())) {
     auto elements =
-        std::make_unique<fem::ElasticTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows);
+        std::make_unique<fem::ElasticTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows,
+                                           options.regions.get());
     d.elements = elements.get();
     d.system.terms.push_back(std::move(elements));
   }
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::cut).empty())) {
     auto cut =
-        std::make_unique<xfem::EnrichedTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows, *d.sets);
+        std::make_unique<xfem::EnrichedTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows, *d.sets,
+                                             options.regions.get());
     d.cut_elements = cut.get();
     d.system.terms.push_back(std::move(cut));
   }
@@ -257,7 +261,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   coarse::FineRows fine{d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
   fine.breakable = d.fracture || !d.cracks.empty() || !d.seams.empty();
   system.coarse = std::make_unique<coarse::CoarseMesh>(
-      fem::ElasticBody{mesh, options.elastic, options.element_kinematics()}, *d.node_field, fine, system);
+      fem::ElasticBody{mesh, options.elastic, options.element_kinematics(), options.regions.get()}, *d.node_field, fine, system);
   return result;
 }
 
