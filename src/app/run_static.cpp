@@ -9,6 +9,7 @@
 #include "pdx/record/dry_run.hpp"
 #include "pdx/record/recorder.hpp"
 #include "pdx/scene/scene.hpp"
+#include "pdx/scene/particle_warnings.hpp"
 #include "pdx/scene/support.hpp"
 #include "pdx/solve/static_driver.hpp"
 
@@ -92,6 +93,7 @@ public:
   {
     lay();
     for (const std::string& warning : ground_->warnings()) files_.warn(warning);
+    files_.warn(scene::region_warning(ground_->options, ground_->mesh, ground_->particles));
     build();
     const std::vector<double> at_rest(2 * static_cast<std::size_t>(d_->system.halo->size()), 0.0);
     record::require_contours({ground_->mesh, files_.options, ground_->plan, *d_, at_rest});

@@ -86,7 +86,11 @@ void require_poisson(const PdOptions& pd, const law::Elastic& elastic, bool soli
 void take_required_poisson(SceneOptions& s)
 {
   const double required = law::required_poisson(s.solid ? 3 : 2, s.elastic.plane);
-  if (std::abs(s.elastic.poisson - required) > kRounding)
+  const bool named = !Options("material").given("-material_poisson"); // and none was asked for
+  if (named && std::abs(s.elastic.poisson - required) > kRounding)
+    s.notes.push_back(fmt::format("Poisson's ratio of -material is {}: taken as {}, the only value that bonds can have",
+                                  s.elastic.poisson, s.elastic.plane == law::Plane::stress ? "1/3" : "1/4"));
+  if (!named && std::abs(s.elastic.poisson - required) > kRounding)
     s.warnings.push_back(fmt::format("-material_poisson is {}: taken as {}, the only value that bonds can have",
                                      s.elastic.poisson, s.elastic.plane == law::Plane::stress ? "1/3" : "1/4"));
   s.elastic.poisson = required;

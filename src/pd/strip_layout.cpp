@@ -225,6 +225,21 @@ template <int Dim> void StripPart<Dim>::shrink_boxes()
   }
 }
 
+/// Of each tile the least critical stretch over that of the patch, of all bonds that start there; infinity: none breaks.
+template <int Dim> void StripPart<Dim>::watch_tiles()
+{
+  const BondView<Dim> from = part_.view({});
+  thresholds_.assign(tasks_.size(), std::numeric_limits<double>::infinity());
+  std::ptrdiff_t sites = vectors_ ? part_.extent()[0] : 0;
+  for (std::size_t d = 1; d < Dim; ++d) sites *= extent_[d];
+  for (std::ptrdiff_t at = 0; at < sites; ++at) {
+    if (at % part_.extent()[0] >= extent_[0]) continue;
+    double& least = thresholds_[static_cast<std::size_t>(tile_of(spot(at)))];
+    for (std::size_t h = 0; h < arms_.size(); ++h)
+      if (from.words[h / 64][at] & arms_[h].bit) least = std::min(least, part_.stretch_factor(at, h));
+  }
+}
+
 /// The tiles given and all within reach of them; in x round the ends of the strips, which touch each other.
 template <int Dim> std::vector<std::uint8_t> StripPart<Dim>::around(const std::vector<std::uint8_t>& tiles) const
 {
@@ -252,6 +267,7 @@ template <int Dim> std::vector<std::uint8_t> StripPart<Dim>::around(const std::v
 #define PDX_INSTANTIATE(Dim)                                                                                           \
   template StripPart<Dim>::StripPart(LatticePart<Dim>&, Kinematics, Processor);                                        \
   template void StripPart<Dim>::take_over_words();                                                                     \
+  template void StripPart<Dim>::watch_tiles();                                                                         \
   template std::vector<std::uint8_t> StripPart<Dim>::around(const std::vector<std::uint8_t>&) const
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);

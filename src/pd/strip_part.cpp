@@ -57,22 +57,8 @@ template <int Dim> void StripPart<Dim>::watch(double critical_stretch)
   critical_stretch_ = least_stretch_ = critical_stretch;
   threshold_ = limit_of(critical_stretch) * (1.0 - kRoom) - kLeastRoom;
   thresholds_.clear();
-  if (part_.stretches_vary()) watch_tiles();
-}
-
-/// The least of all bonds that start in a tile.
-template <int Dim> void StripPart<Dim>::watch_tiles()
-{
-  const BondView<Dim> from = part_.view({});
-  thresholds_.assign(tasks_.size(), std::numeric_limits<double>::infinity());
-  std::ptrdiff_t sites = vectors_ ? part_.extent()[0] : 0;
-  for (std::size_t d = 1; d < Dim; ++d) sites *= extent_[d];
-  for (std::ptrdiff_t at = 0; at < sites; ++at) {
-    if (at % part_.extent()[0] >= extent_[0]) continue;
-    double& least = thresholds_[static_cast<std::size_t>(tile_of(spot(at)))];
-    for (std::size_t h = 0; h < arms_.size(); ++h)
-      if (from.words[h / 64][at] & arms_[h].bit) least = std::min(least, part_.stretch_factor(at, h));
-  }
+  if (!part_.stretches_vary()) return;
+  watch_tiles();
   least_stretch_ = std::numeric_limits<double>::infinity();
   for (double& least : thresholds_) {
     least_stretch_ = std::min(least_stretch_, critical_stretch_ * least);

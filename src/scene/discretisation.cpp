@@ -201,19 +201,25 @@ void add_peridynamics(const mesh::Mesh& mesh, const options::SceneOptions& optio
     if (!cracks->empty()) d.bonds->cut(*cracks);
 }
 
+/// Null where elements are of one solid: they stay in one sweep.
+const law::Regions* laws_of(const options::SceneOptions& options)
+{
+  return options.regions && !options.regions->one_elastic() ? options.regions.get() : nullptr;
+}
+
 void add_elements(const mesh::Mesh& mesh, const options::SceneOptions& options, Discretisation& d)
 {
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::plain).empty())) {
     auto elements =
         std::make_unique<fem::ElasticTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows,
-                                           options.regions.get());
+                                           laws_of(options));
     d.elements = elements.get();
     d.system.terms.push_back(std::move(elements));
   }
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::cut).empty())) {
     auto cut =
         std::make_unique<xfem::EnrichedTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows, *d.sets,
-                                             options.regions.get());
+                                             laws_of(options));
     d.cut_elements = cut.get();
     d.system.terms.push_back(std::move(cut));
   }
@@ -261,7 +267,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   coarse::FineRows fine{d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
   fine.breakable = d.fracture || !d.cracks.empty() || !d.seams.empty();
   system.coarse = std::make_unique<coarse::CoarseMesh>(
-      fem::ElasticBody{mesh, options.elastic, options.element_kinematics(), options.regions.get()}, *d.node_field, fine, system);
+      fem::ElasticBody{mesh, options.elastic, options.element_kinematics(), laws_of(options)}, *d.node_field, fine, system);
   return result;
 }
 
