@@ -8,8 +8,8 @@
 #include "pdx/record/crack_results.hpp"
 #include "pdx/record/dry_run.hpp"
 #include "pdx/record/recorder.hpp"
-#include "pdx/scene/scene.hpp"
 #include "pdx/scene/particle_warnings.hpp"
+#include "pdx/scene/scene.hpp"
 #include "pdx/scene/support.hpp"
 #include "pdx/solve/static_driver.hpp"
 

@@ -100,8 +100,8 @@ void CoarseMesh::sort_cells()
       return split_.contains({key, node});
     });
     const Vector<2> middle = 0.5 * (grids_[p].point(nodes[0]) + grids_[p].point(nodes[2]));
-    const std::size_t stiffness = first_kind_[p] + grids_[p].kind(cell) * body_.laws() +
-                                  (body_.regions ? body_.regions->at(middle) : 0);
+    const std::size_t stiffness =
+        first_kind_[p] + grids_[p].kind(cell) * body_.laws() + (body_.regions ? body_.regions->at(middle) : 0);
     const bool damaged = support_ && support_->damaged(static_cast<Index>(number));
     groups.clear();
     if (!carried && !split && !damaged) {

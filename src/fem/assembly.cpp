@@ -77,8 +77,8 @@ void assemble_stiffness(const ElasticBody& body, std::span<const Index> cells, s
       if (!straight) d.segment<2>(static_cast<Index>(2 * a)) << displacement[2 * v], displacement[2 * v + 1];
     }
     const Corners corners = body.mesh.corners(c);
-    const ElementMatrix k = straight ? reused[body.number(c)].of(corners)
-                                     : element_tangent(corners, d, body.law_of(c), body.kinematics);
+    const ElementMatrix k =
+        straight ? reused[body.number(c)].of(corners) : element_tangent(corners, d, body.law_of(c), body.kinematics);
     adder.add(rows, rows, {k.data(), static_cast<std::size_t>(k.size())});
   }
 }

@@ -53,16 +53,20 @@ Materials Materials::read()
 {
   Materials materials;
   Options o("material");
-  const std::string name = o.text("-material_file", "", "file with a material a line: name young poisson density "
-                                                        "toughness");
+  const std::string name = o.text("-material_file", "",
+                                  "file with a material a line: name young poisson density "
+                                  "toughness");
   if (!name.empty()) {
     TextFile file("-material_file", name);
-    while (file.next()) add_line(file.line(), [&file](const std::string& why) { file.refuse(why); }, materials.all_);
+    while (file.next())
+      add_line(
+          file.line(), [&file](const std::string& why) { file.refuse(why); }, materials.all_);
   }
   std::vector<Material> ours;
   std::istringstream text(kMaterials);
   for (std::string line; std::getline(text, line);)
-    add_line(line, [&line](const std::string& why) { throw std::logic_error(why + ": " + line); }, ours);
+    add_line(
+        line, [&line](const std::string& why) { throw std::logic_error(why + ": " + line); }, ours);
   for (Material& m : ours)
     if (std::ranges::find(materials.all_, m.name, &Material::name) == materials.all_.end())
       materials.all_.push_back(std::move(m));
@@ -77,8 +81,8 @@ Material Materials::named(const std::string& option, const char* help) const
   if (found != all_.end()) return *found;
   std::vector<std::string> names;
   for (const Material& m : all_) names.push_back(m.name);
-  const std::string& nearest = *std::ranges::min_element(
-      names, {}, [&name](const std::string& other) { return edit_distance(name, other); });
+  const std::string& nearest =
+      *std::ranges::min_element(names, {}, [&name](const std::string& other) { return edit_distance(name, other); });
   throw UserError(fmt::format("{} is {}: there are {}; did you mean {}? (or give -material_file)", option, shown(name),
                               fmt::join(names, ", "), nearest));
 }

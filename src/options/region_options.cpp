@@ -21,8 +21,8 @@ std::vector<geom::Outline::Edge> read_box(Options& o, const std::string& name)
       o.reals(name, {}, o.given(name) ? 4 : 0, "m", "a box x0,y0,x1,y1; what is on its border may be in or out");
   if (v.empty()) return {};
   if (!(v[0] < v[2] && v[1] < v[3]))
-    throw UserError(fmt::format("{} is {},{},{},{}: must be x0,y0,x1,y1 with x0 < x1 and y0 < y1", name, v[0], v[1],
-                                v[2], v[3]));
+    throw UserError(
+        fmt::format("{} is {},{},{},{}: must be x0,y0,x1,y1 with x0 < x1 and y0 < y1", name, v[0], v[1], v[2], v[3]));
   return geom::Outline::edges_of({{v[0], v[1]}, {v[2], v[3]}});
 }
 
@@ -51,7 +51,8 @@ std::vector<geom::Outline::Edge> read_border(Options& o, const std::string& stem
   if (!polygon.empty()) return polygon;
   const std::string file = o.text("-mesh_file", "", "");
   if (file.empty())
-    throw UserError(fmt::format("{0}_surface is of a -mesh_file, and there is none: give {0}_box or {0}_polygon", stem));
+    throw UserError(
+        fmt::format("{0}_surface is of a -mesh_file, and there is none: give {0}_box or {0}_polygon", stem));
   return mesh::read_gmsh_border(fmt::format("{}_surface {}: -mesh_file", stem, shown(surface)), file, surface);
 }
 
@@ -62,8 +63,8 @@ law::Elastic read_elastic(Options& o, const std::string& stem, const Material& m
   elastic.young = o.real(stem + "_young", material.young.value_or(rest.young), "Pa",
                          "Young's modulus; usually -material_young", Range::positive());
   const double poisson = particles ? rest.poisson : material.poisson.value_or(rest.poisson);
-  elastic.poisson = o.real(stem + "_poisson", poisson, "-", "Poisson's ratio; with particles that of bonds",
-                           {-0.999, 0.4999});
+  elastic.poisson =
+      o.real(stem + "_poisson", poisson, "-", "Poisson's ratio; with particles that of bonds", {-0.999, 0.4999});
   elastic.density = o.real(stem + "_density", material.density.value_or(rest.density), "kg/m^3",
                            "mass density; usually -material_density", Range::positive());
   if (!describe && particles && std::abs(elastic.poisson - rest.poisson) > kSamePoisson)
@@ -115,7 +116,8 @@ law::Interface read_interface(const std::string& name, std::span<const RegionOpt
   Options o("region");
   const std::string between = fmt::format("-interface_{}_between", name),
                     toughness = fmt::format("-interface_{}_toughness", name);
-  const std::vector<std::string> pair = o.texts(between, {}, "the two regions it is between; rest is what lies in none");
+  const std::vector<std::string> pair =
+      o.texts(between, {}, "the two regions it is between; rest is what lies in none");
   const std::optional<double> gc = read_toughness(o, toughness, std::nullopt, particles || describe);
   if (describe) return {};
   if (pair.size() != 2 || pair[0] == pair[1])
@@ -151,8 +153,12 @@ RegionSetOptions RegionSetOptions::read(const Materials& materials, const law::E
     set.regions.push_back(region_options::read_region(name, materials, rest, particles, describe));
   }
   const std::vector<std::string> interfaces =
-      region_options::names_of(o, "-interface_names", "names of the interfaces that follow, which break otherwise than "
-                                                      "the regions beside them", describe);
+      region_options::names_of(o, "-interface_names",
+                               "names of the interfaces that follow, which break otherwise than "
+                               "the regions beside them",
+                               describe);
+  if (!describe && names.empty() && !interfaces.empty())
+    throw UserError("-interface_names are between regions, and there are none: give -region_names");
   for (const std::string& name : interfaces)
     set.interfaces.push_back(region_options::read_interface(name, set.regions, particles, describe));
   return set;
@@ -188,11 +194,7 @@ std::shared_ptr<const law::Regions> RegionSetOptions::settled(const geom::Frame&
 
 void judge_regions(const SceneOptions& s)
 {
-  if (!s.region_set.any()) {
-    if (!s.region_set.interfaces.empty())
-      throw UserError("-interface_names are between regions, and there are none: give -region_names");
-    return;
-  }
+  if (!s.region_set.any()) return;
   if (s.points.any())
     throw UserError("-region_names are of elements and particles: bodies of material points have -mpm_NAME_young, "
                     "-mpm_NAME_density each; drop -region_names");
@@ -209,8 +211,8 @@ void judge_regions(const SceneOptions& s)
     throw UserError("-pd_critical_stretch is of one material: give -material_toughness and -region_NAME_toughness");
   for (const RegionOptions& region : s.region_set.regions)
     if (s.time.dynamic() && region.elastic.density <= 0.0)
-      throw UserError(fmt::format("-region_{}_density is missing: things that move have a mass; give it in kg/m^3",
-                                  region.name));
+      throw UserError(
+          fmt::format("-region_{}_density is missing: things that move have a mass; give it in kg/m^3", region.name));
 }
 
 std::vector<std::string> region_warnings(const SceneOptions& s)

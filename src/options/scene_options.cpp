@@ -4,6 +4,7 @@
 #include "pdx/base/shown.hpp"
 #include "pdx/law/bond.hpp"
 #include "pdx/options/adapt_options.hpp"
+#include "pdx/options/material_options.hpp"
 #include "pdx/options/option_names.hpp"
 
 #include <algorithm>
@@ -13,7 +14,6 @@
 namespace pdx::options {
 namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kRounding = 1e-12; // of a ratio written in full
 
 geom::Box<2> box_of(const std::string& name, const std::vector<double>& v, std::size_t at)
 {
@@ -26,29 +26,6 @@ geom::Box<2> box_of(const std::string& name, const std::vector<double>& v, std::
 
 bool is_cloud() { return Options("pd").given("-pd_cloud"); }
 bool are_points() { return Options("mpm").given("-mpm_bodies"); }
-
-law::Elastic read_material(const Material& named, bool describe, bool& solid)
-{
-  Options o("material");
-  law::Elastic elastic;
-  static constexpr const char* planes[] = {"stress", "strain", "solid"};
-  const int plane = o.choice("-material_plane", 0, planes, "plane problem, or solid: in space, as deep as thick");
-  solid = plane == 2;
-  elastic.plane = plane == 0 ? law::Plane::stress : law::Plane::strain; // of the moduli in space
-  elastic.young = o.real("-material_young", named.young.value_or(kNone), "Pa", "Young's modulus", Range::positive());
-  elastic.poisson =
-      o.real("-material_poisson", named.poisson.value_or(law::required_poisson(2, elastic.plane)), "-",
-             "Poisson's ratio; with particles 1/3 (plane stress) or 1/4 (plane strain, solid), taken exactly",
-             {-0.999, 0.4999});
-  elastic.thickness =
-      o.real("-material_thickness", 1.0, "m", "out-of-plane thickness; of a solid its depth", Range::positive());
-  if (!describe && solid && !is_cloud() && !are_points() && !o.given("-material_thickness"))
-    throw UserError("-material_thickness is missing: give the depth of the solid in m");
-  elastic.density = o.real("-material_density", named.density.value_or(0.0), "kg/m^3", "mass density; needed in time", Range::positive());
-  if (!describe && std::isnan(elastic.young))
-    throw UserError("-material_young is missing: give Young's modulus in Pa, e.g. -material_young 1e9, or -material");
-  return elastic;
-}
 
 void read_patches(Options& o, PdOptions& pd)
 {
@@ -80,29 +57,6 @@ void require_poisson(const PdOptions& pd, const law::Elastic& elastic, bool soli
   } catch (const UserError& wrong) {
     throw UserError(fmt::format("-material_poisson is {}: {}", elastic.poisson, wrong.what()));
   }
-}
-
-/// One value for bonds and elements: the one that `require_poisson` found near.
-void take_required_poisson(SceneOptions& s)
-{
-  const double required = law::required_poisson(s.solid ? 3 : 2, s.elastic.plane);
-  const bool named = !Options("material").given("-material_poisson"); // and none was asked for
-  if (named && std::abs(s.elastic.poisson - required) > kRounding)
-    s.notes.push_back(fmt::format("Poisson's ratio of -material is {}: taken as {}, the only value that bonds can have",
-                                  s.elastic.poisson, s.elastic.plane == law::Plane::stress ? "1/3" : "1/4"));
-  if (!named && std::abs(s.elastic.poisson - required) > kRounding)
-    s.warnings.push_back(fmt::format("-material_poisson is {}: taken as {}, the only value that bonds can have",
-                                     s.elastic.poisson, s.elastic.plane == law::Plane::stress ? "1/3" : "1/4"));
-  s.elastic.poisson = required;
-}
-
-/// A material by name has a Poisson's ratio that bonds mostly cannot have: they take theirs, and say so.
-law::Elastic of_bonds(const SceneOptions& s, const Material& named)
-{
-  law::Elastic elastic = s.elastic;
-  if (named.poisson && !Options("material").given("-material_poisson"))
-    elastic.poisson = law::required_poisson(s.solid ? 3 : 2, elastic.plane);
-  return elastic;
 }
 
 PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)

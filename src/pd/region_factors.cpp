@@ -94,8 +94,6 @@ SurfaceCorrection<Dim> correct_regions(Stencil<Dim> stencil, std::shared_ptr<con
   };
 }
 
-template SurfaceCorrection<2> correct_regions<2>(Stencil<2>, std::shared_ptr<const law::Regions>,
-                                                 SurfaceCorrection<2>);
-template SurfaceCorrection<3> correct_regions<3>(Stencil<3>, std::shared_ptr<const law::Regions>,
-                                                 SurfaceCorrection<3>);
+template SurfaceCorrection<2> correct_regions<2>(Stencil<2>, std::shared_ptr<const law::Regions>, SurfaceCorrection<2>);
+template SurfaceCorrection<3> correct_regions<3>(Stencil<3>, std::shared_ptr<const law::Regions>, SurfaceCorrection<3>);
 } // namespace pdx::pd

@@ -68,8 +68,8 @@ field::OutputBlock mesh_block(const mesh::Mesh& mesh, const options::SceneOption
     rank.values.push_back(mesh.cell_owner(c));
   }
   block.fields.push_back(displacement_field<2>(displacement, owned));
-  block.fields.push_back(
-      stress_field(fem::nodal_stress({mesh, options.elastic, options.element_kinematics(), options.regions.get()}, displacement)));
+  block.fields.push_back(stress_field(
+      fem::nodal_stress({mesh, options.elastic, options.element_kinematics(), options.regions.get()}, displacement)));
   if (options.post.reference_fe)
     block.fields.push_back({"relative_error_percent [%]", field::Rank::scalar, false, false, relative_percent});
   block.fields.push_back(std::move(use));

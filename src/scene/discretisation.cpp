@@ -210,16 +210,14 @@ const law::Regions* laws_of(const options::SceneOptions& options)
 void add_elements(const mesh::Mesh& mesh, const options::SceneOptions& options, Discretisation& d)
 {
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::plain).empty())) {
-    auto elements =
-        std::make_unique<fem::ElasticTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows,
-                                           laws_of(options));
+    auto elements = std::make_unique<fem::ElasticTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows,
+                                                       laws_of(options));
     d.elements = elements.get();
     d.system.terms.push_back(std::move(elements));
   }
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::cut).empty())) {
-    auto cut =
-        std::make_unique<xfem::EnrichedTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows, *d.sets,
-                                             laws_of(options));
+    auto cut = std::make_unique<xfem::EnrichedTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows,
+                                                    *d.sets, laws_of(options));
     d.cut_elements = cut.get();
     d.system.terms.push_back(std::move(cut));
   }
@@ -267,7 +265,8 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   coarse::FineRows fine{d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
   fine.breakable = d.fracture || !d.cracks.empty() || !d.seams.empty();
   system.coarse = std::make_unique<coarse::CoarseMesh>(
-      fem::ElasticBody{mesh, options.elastic, options.element_kinematics(), laws_of(options)}, *d.node_field, fine, system);
+      fem::ElasticBody{mesh, options.elastic, options.element_kinematics(), laws_of(options)}, *d.node_field, fine,
+      system);
   return result;
 }
 

@@ -17,8 +17,8 @@ template <int Dim> double papers_step(const pd::Stencil<Dim>& stencil, const law
 {
   double least = 1.0;
   for (std::size_t k = 1; regions && k < regions->count(); ++k)
-    least = std::min(least, std::sqrt(regions->elastic(k).density / regions->elastic(0).density /
-                                      regions->stiffness(k, k)));
+    least = std::min(least,
+                     std::sqrt(regions->elastic(k).density / regions->elastic(0).density / regions->stiffness(k, k)));
   return least * pd::papers_step(stencil);
 }
 
@@ -96,7 +96,10 @@ public:
   }
   Standing standing() override { return {&ground_.mesh, &ground_.plan, d_.get()}; }
   field::System& system() override { return d_->system; }
-  StepLimits limits() override { return limits_of<2>(ground_.plan.stencils, d_->system, ground_.options.regions.get()); }
+  StepLimits limits() override
+  {
+    return limits_of<2>(ground_.plan.stencils, d_->system, ground_.options.regions.get());
+  }
   std::vector<std::string> warnings() override
   {
     std::vector<std::string> all = ground_.warnings();

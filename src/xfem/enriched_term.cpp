@@ -27,7 +27,8 @@ EnrichedTerm::EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, fem:
     const auto& vertices = mesh.cell(cut.cell);
     const bool own = cut.cell < mesh.owned_cells();
     if (!own && std::ranges::none_of(vertices, [&](Index v) { return v < mesh.owned_vertices(); })) continue;
-    Part part{&cut.element, own, {}, {}, {}, {}, regions ? regions->elastic(regions->at(mesh.centroid(cut.cell))) : law};
+    Part part{
+        &cut.element, own, {}, {}, {}, {}, regions ? regions->elastic(regions->at(mesh.centroid(cut.cell))) : law};
     for (const Index v : vertices) part.global_rows.push_back(node_rows[static_cast<std::size_t>(v)]);
     for (const PetscInt row : cut.sets)
       if (row >= 0) part.global_rows.push_back(row);
@@ -63,8 +64,8 @@ void EnrichedTerm::add_residual(std::span<const double> u, std::span<double> r) 
   const Timed timed(event);
   for (const Part& part : parts_) {
     const EnrichedVector d = gathered(part.rows, u);
-    const EnrichedVector force =
-        constant_jacobian() ? EnrichedVector(part.stiffness * d) : enriched_force(*part.element, d, part.law, kinematics_);
+    const EnrichedVector force = constant_jacobian() ? EnrichedVector(part.stiffness * d)
+                                                     : enriched_force(*part.element, d, part.law, kinematics_);
     for (std::size_t k = 0; k < part.rows.size(); ++k) {
       if (part.rows[k] >= owned_rows_) continue;
       const auto at = 2 * static_cast<std::size_t>(part.rows[k]);
@@ -80,7 +81,8 @@ double EnrichedTerm::energy(std::span<const double> u) const
   for (const Part& part : parts_) {
     if (!part.counted) continue;
     const EnrichedVector d = gathered(part.rows, u);
-    sum += constant_jacobian() ? 0.5 * d.dot(part.stiffness * d) : enriched_energy(*part.element, d, part.law, kinematics_);
+    sum += constant_jacobian() ? 0.5 * d.dot(part.stiffness * d)
+                               : enriched_energy(*part.element, d, part.law, kinematics_);
   }
   return sum;
 }

@@ -57,7 +57,7 @@ STRUCK = {
     "-probe_at_every": "1",
 }
 # A cracked plate with an inclusion, a strip where nothing breaks, and a weak border of the inclusion.
-CRACKED = program.PATCH | {
+CRACKED = {key: value for key, value in program.PATCH.items() if not key.startswith("-bc_")} | {
     "-case": "cracked",
     "-material_density": "1000",
     "-material_toughness": "2",
@@ -93,24 +93,23 @@ BEAM = {
     "-pd_horizon_ratio": "3",
     "-material_young": "1e9",
     "-material_density": "1000",
-    "-material_toughness": "100",
+    "-material_toughness": "50",
     "-crack_names": "c",
     "-crack_c_points": "-0.01,0.2,0.25,0.2",
     "-bc_names": "low,high,right",
     "-bc_low_box": "-1,-1,0.03,0.1",
-    "-bc_low_velocity": "free,-2",
+    "-bc_low_velocity": "free,-0.5",
     "-bc_high_box": "-1,0.25,0.03,1",
-    "-bc_high_velocity": "free,2",
+    "-bc_high_velocity": "free,0.5",
     "-bc_right_on": "right",
     "-bc_right_displacement": "0,0",
-    "-ts_max_time": "6e-3",
+    "-ts_max_time": "9e-3",
     "-output_fields": "",
     "-output_interval": "100000",
     "-quiet": "",
 }
 PEELED = {"-region_names": "upper", "-region_upper_box": "-1,0.2,2,1", "-interface_names": "glue", "-interface_glue_between": "upper,rest",
-          "-interface_glue_toughness": "25"}  # fmt: skip
-FLAT = {"-bc_low_box": None}
+          "-interface_glue_toughness": "5"}  # fmt: skip
 
 
 def last(run, field):
@@ -119,10 +118,16 @@ def last(run, field):
         step = file[sorted(name for name in file if name.startswith("step"))[-1]]
         block = step["particles"]
         places = file["geometry/particles/points"] if "geometry" in file else block["points"]
-        return numpy.array(places), numpy.array(block[field])
+        return numpy.array(places), numpy.array(block[field]).ravel()
 
 
 class Regions(program.ProgramTest):
+    def warned(self, options, ranks=1):
+        """A run that may warn."""
+        run = self.launch(options, ranks)
+        self.assertEqual(run.status, 0, run.err)
+        return run
+
     def end(self, run, name):
         return program.rows_of(run.directory / f"probe_{name}.csv")[-1]
 
@@ -148,18 +153,18 @@ class Regions(program.ProgramTest):
         bodies = {
             "elements": {"-mesh_cells": "400,2"},
             "particles": {"-pd_patches": "all", "-pd_spacing": "0.005", "-pd_horizon_ratio": "3"},
-            "both": {"-mesh_cells": "400,4", "-pd_patches": "1,0,1.2,0.02", "-pd_spacing": "0.0025", "-pd_horizon_ratio": "3"},
+            "both": {"-mesh_cells": "400,4", "-pd_patches": "0.995,0,1.02,0.02", "-pd_spacing": "0.0025", "-pd_horizon_ratio": "3"},
         }
         for name, body in bodies.items():
             with self.subTest(name):
-                rows = program.rows_of(self.solve(STRUCK | body).directory / "probe_at.csv")
+                rows = program.rows_of(self.warned(STRUCK | body).directory / "probe_at.csv")
                 come = max(row["velocity_x"] for row in rows if row["time"] < 0.9e-3)
                 back = min(row["velocity_x"] for row in rows if row["time"] > 1.2e-3)
                 self.assertAlmostEqual(back / come, -0.5, delta=0.01)
 
     def test_ranks(self):
         for more in (LOADED, MOVED):
-            runs = [self.solve(CRACKED | more, ranks).summary["results"] for ranks in (1, 2, 3)]
+            runs = [self.warned(CRACKED | more, ranks).summary["results"] for ranks in (1, 2, 3)]
             self.assertGreater(runs[0]["fracture_energy"], 0.1)
             for other in runs[1:]:
                 for key in ("fracture_energy", "strain_energy", "external_work"):
@@ -167,7 +172,7 @@ class Regions(program.ProgramTest):
 
     def test_where_nothing_breaks(self):
         """Bonds with an end in the strip hold, and next to it some break."""
-        run = self.solve(CRACKED | MOVED | {"-adapt": None})
+        run = self.warned(CRACKED | MOVED | {"-adapt": None})
         places, damage = last(run, "damage")
         inside = (places[:, 0] > 0.6) & (places[:, 0] < 0.65)
         self.assertEqual(damage[inside].max(), 0.0)
@@ -178,7 +183,7 @@ class Regions(program.ProgramTest):
         plain = {key: value for key, value in CRACKED.items() if not key.startswith(("-region_", "-interface_"))}
         for more in (LOADED, MOVED):
             with self.subTest(more):
-                ours, theirs = ((self.solve(o)) for o in (plain | more | same, plain | more))
+                ours, theirs = (self.warned(o) for o in (plain | more | same, plain | more))
                 with h5py.File(ours.directory / "fields.h5") as a, h5py.File(theirs.directory / "fields.h5") as b:
                     seen = []
                     b.visititems(lambda name, item: seen.append(name) if isinstance(item, h5py.Dataset) else None)
@@ -189,9 +194,9 @@ class Regions(program.ProgramTest):
 
     def test_cracks_follow_a_weak_interface(self):
         def strayed(options):
-            places, damage = last(self.solve(options), "damage")
-            broken = places[damage > 0.2]
-            self.assertGreater(broken[:, 0].max(), 0.5)
+            places, damage = last(self.warned(options), "damage")
+            broken = places[(damage > 0.2) & (places[:, 0] > 0.1) & (places[:, 0] < 0.9)]
+            self.assertGreater(broken[:, 0].max(), 0.35)
             return numpy.abs(broken[:, 1] - 0.2).max()
 
         reach = 3 * 0.0125
@@ -208,8 +213,8 @@ class Regions(program.ProgramTest):
     def test_regions_in_space(self):
         """A bar of particles in space, struck: as that in the plane."""
         space = {"-material_plane": "solid", "-material_thickness": "0.06", "-mesh_upper": "2,0.06", "-pd_patches": "all", "-pd_spacing": "0.01",
-                 "-pd_horizon_ratio": "2.5", "-bc_flat_displacement": "free,0,0", "-bc_left_velocity": "1,free,free", "-probe_at_at": "0.5,0.03"}  # fmt: skip
-        rows = program.rows_of(self.solve(STRUCK | space | {"-ts_max_time": "1.65e-3"}).directory / "probe_at.csv")
+                 "-pd_horizon_ratio": "2.5", "-bc_flat_displacement": "free,0,0", "-bc_left_velocity": "1,free,free", "-probe_at_at": "0.5,0.03,0.03"}  # fmt: skip
+        rows = program.rows_of(self.warned(STRUCK | space | {"-ts_max_time": "1.65e-3"}).directory / "probe_at.csv")
         come = max(row["velocity_x"] for row in rows if row["time"] < 0.9e-3)
         back = min(row["velocity_x"] for row in rows if row["time"] > 1.2e-3)
         self.assertAlmostEqual(back / come, -0.5, delta=0.03)
@@ -235,7 +240,7 @@ class ByName(program.ProgramTest):
         self.assertAlmostEqual(row["displacement_x"], TRACTION / 416e9 + TRACTION / 68.9e9, delta=1e-16)
 
     def test_bonds_take_their_own_ratio_and_the_toughness(self):
-        run = self.solve(program.PATCH | {"-material_young": None, "-material": "soda_lime_glass", "-pd_toughness": "continuum"})
+        run = self.launch(program.PATCH | {"-material_young": None, "-material": "soda_lime_glass", "-pd_toughness": "continuum"})
         horizon = 4 * 0.025
         conical = math.sqrt(5 * math.pi * 135 / (9 * 72e9 * horizon))  # [XPD1 Eq. 7] with plane stress
         self.assertAlmostEqual(run.summary["results"]["critical_stretch"][0] / conical, 1.0, delta=1e-6)

@@ -17,7 +17,7 @@ template <int Dim> struct RunBond {
   Index patch = 0;
   bool no_fail = false;
   double stretch = 1.0; ///< critical one over that of the patch [-]
-  Vector<Dim> xi; ///< from the particle to the point [m]
+  Vector<Dim> xi;       ///< from the particle to the point [m]
   Leaving leaves;
 };
 

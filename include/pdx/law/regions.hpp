@@ -35,10 +35,7 @@ public:
 
   std::size_t count() const { return regions_.size() + 1; } ///< with 0
   std::uint8_t at(const Vector<2>& x) const;
-  const Elastic& elastic(std::size_t region) const
-  {
-    return region ? regions_[region - 1].elastic : rest_;
-  }
+  const Elastic& elastic(std::size_t region) const { return region ? regions_[region - 1].elastic : rest_; }
   const std::string& name(std::size_t region) const { return regions_[region - 1].name; } ///< from 1 on
 
   /// Of a bond between two regions over that of one in region 0: 2 / (E_0/E_a + E_0/E_b), two springs in a row.   [-]
@@ -48,8 +45,8 @@ public:
   /// counts, if the interface has none of its own.                                                              [-]
   double stretch(std::size_t a, std::size_t b) const { return stretch_[a * count() + b]; }
 
-  bool one_elastic() const { return one_elastic_; } ///< are all made of one solid?
-  bool one_stretch() const { return one_stretch_; } ///< do all bonds break at the reference's critical stretch?
+  bool one_elastic() const { return one_elastic_; }       ///< are all made of one solid?
+  bool one_stretch() const { return one_stretch_; }       ///< do all bonds break at the reference's critical stretch?
   double least_stretch() const { return least_stretch_; } ///< the smallest of `stretch` [-]
 
 private:

@@ -86,9 +86,9 @@ struct SceneOptions {
   geom::Frame frame; ///< of all coordinates below: as given until `settle`
   mesh::MeshOptions mesh;
   law::Elastic elastic;
-  RegionSetOptions region_set; ///< as given
+  RegionSetOptions region_set;                 ///< as given
   std::shared_ptr<const law::Regions> regions; ///< null until `settle`, and where all is of one material
-  bool solid = false; ///< in space: the body in the plane, extruded by the thickness
+  bool solid = false;                          ///< in space: the body in the plane, extruded by the thickness
   Kinematics kinematics = Kinematics::small;
   PdOptions pd;
   PointOptions points;

@@ -34,7 +34,8 @@ public:
   /// @param correction  of bonds near free surfaces and in regions of other materials; empty: none. Collective.
   /// @param regions  of other densities and toughness; null: all is of one
   LatticePart(const field::Rows& rows, geom::ActiveLattice<Dim> where, Stencil<Dim> stencil, std::vector<Index> sites,
-              Index first_row, SurfaceCorrection<Dim> correction, std::shared_ptr<const law::Regions> regions = nullptr);
+              Index first_row, SurfaceCorrection<Dim> correction,
+              std::shared_ptr<const law::Regions> regions = nullptr);
 
   const geom::ActiveLattice<Dim>& where() const { return where_; }
   const geom::Lattice<Dim>& lattice() const { return where_.lattice; }
@@ -108,6 +109,7 @@ public:
   /// Does the critical stretch of bonds differ from one to another?
   bool stretches_vary() const { return regions_ && !regions_->one_stretch(); }
   /// Critical stretch of the bond along half arm `arm` of the site with window index `at` over that of the patch [-].
+  /// The bond is there, and of a particle of this rank.
   double stretch_factor(std::ptrdiff_t at, std::size_t arm) const
   {
     if (!stretches_vary()) return 1.0;
