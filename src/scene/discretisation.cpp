@@ -235,6 +235,8 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   number_rows(mesh, points != nullptr, d);
   field::System& system = d.system;
   system.scale = options.elastic.young * options.elastic.thickness;
+  for (std::size_t k = 1; options.regions && k < options.regions->count(); ++k)
+    system.scale = std::max(system.scale, options.regions->elastic(k).young * options.elastic.thickness);
   add_elements(mesh, options, d);
   if (points) add_points(mesh, options, plan, *points, d);
   if (!plan.shapes.empty() || options.converts()) add_peridynamics(mesh, options, plan, d, assembled);
