@@ -66,7 +66,7 @@ Materials Materials::read()
   std::istringstream text(kMaterials);
   for (std::string line; std::getline(text, line);)
     add_line(
-        line, [&line](const std::string& why) { throw std::logic_error(why + ": " + line); }, ours);
+        line, [&line](const std::string& why) { throw std::logic_error(fmt::format("{}: {}", why, line)); }, ours);
   for (Material& m : ours)
     if (std::ranges::find(materials.all_, m.name, &Material::name) == materials.all_.end())
       materials.all_.push_back(std::move(m));

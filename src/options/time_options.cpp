@@ -63,18 +63,20 @@ field::History read_table(const std::string& option, const std::string& name)
 /// The same in the option itself: time:factor,time:factor,...
 std::vector<field::History::Point> points_of(const std::string& option, const std::vector<std::string>& items)
 {
+  constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
   std::vector<field::History::Point> points;
   for (const std::string& item : items) {
     const std::size_t colon = item.find(':');
-    const auto time = number_of(option, item.substr(0, colon), "s");
-    const auto factor = colon == std::string::npos ? std::nullopt : number_of(option, item.substr(colon + 1), "-");
-    if (!time || !factor || !std::isfinite(*time) || !std::isfinite(*factor))
+    const bool both = colon != std::string::npos;
+    const double time = both ? number_of(option, item.substr(0, colon), "s").value_or(kNoNumber) : kNoNumber;
+    const double factor = both ? number_of(option, item.substr(colon + 1), "-").value_or(kNoNumber) : kNoNumber;
+    if (!std::isfinite(time) || !std::isfinite(factor))
       throw UserError(fmt::format("{} is \"{}\" in item {}: must be a time in s and a factor, e.g. 1e-3:0.5", option,
                                   shown(item), points.size() + 1));
-    if (!points.empty() && *time < points.back().time)
+    if (!points.empty() && time < points.back().time)
       throw UserError(
-          fmt::format("{}: time {:g} is before {:g} of the item in front of it", option, *time, points.back().time));
-    points.push_back({*time, *factor});
+          fmt::format("{}: time {:g} is before {:g} of the item in front of it", option, time, points.back().time));
+    points.push_back({time, factor});
   }
   return points;
 }
