@@ -16,7 +16,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_orte_create_session_dirs": "0", "OMPI_ALLOW_RUN_AS_ROOT": "1",
          "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}  # fmt: skip
-ROOMS = {"scene": "Scene", "mesh": "Mesh", "material": "Material", "layout": "Patches that move", "pd": "Particles and bonds",
+ROOMS = {"scene": "Scene", "mesh": "Mesh", "material": "Material", "region": "Regions", "layout": "Patches that move", "pd": "Particles and bonds",
          "mpm": "Material points", "contact": "Contact", "couple": "Coupling", "xfem": "Cracks in elements", "crack": "Cracks",
          "bc": "Supports and loads", "load": "Load path", "ts": "Steps in time", "checkpoint": "Checkpoints", "post": "J, K and books",
          "probe": "Probes", "output": "Output"}  # fmt: skip

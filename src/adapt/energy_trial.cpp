@@ -92,8 +92,14 @@ double EnergyTrial::energy_of_element(const Piece& piece) const
   fit.solve();
   double energy = 0.0;
   for (const std::size_t k : piece)
-    energy += energy_density(given_.elastic, given_.kinematics, fit.gradient(place(k)) / unit) * volume(k);
+    energy += energy_density(law_of(k), given_.kinematics, fit.gradient(place(k)) / unit) * volume(k);
   return energy;
+}
+
+const law::Elastic& EnergyTrial::law_of(std::size_t particle) const
+{
+  const law::Regions* regions = given_.regions;
+  return regions ? regions->elastic(regions->at(scene_.particles[particle].x)) : given_.elastic;
 }
 
 double EnergyTrial::volume(std::size_t particle) const

@@ -137,7 +137,8 @@ private:
     const adapt::SceneView view = scene_.view();
     const std::vector<double> density = adapt::energy_density(view, driver().local());
     const adapt::EnergyTrial trial(view, {driver().local(), density, files_.options.elastic,
-                                          files_.options.element_kinematics(), kMostRise * energies.elastic()});
+                                          files_.options.element_kinematics(), kMostRise * energies.elastic(),
+                                          files_.options.regions.get()});
     adapt::LayoutChange behind =
         mover_.contract(view, scene_.patches(),
                         [&trial](Index cell, const crack::CrackSet& paths) { return trial.allows(cell, paths); });

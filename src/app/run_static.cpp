@@ -9,6 +9,7 @@
 #include "pdx/record/dry_run.hpp"
 #include "pdx/record/prior.hpp"
 #include "pdx/record/recorder.hpp"
+#include "pdx/scene/particle_warnings.hpp"
 #include "pdx/scene/static_solving.hpp"
 #include "pdx/solve/static_driver.hpp"
 
@@ -34,6 +35,7 @@ public:
   {
     lay();
     for (const std::string& warning : scene_.ground().warnings()) files_.warn(warning);
+    files_.warn(scene::region_warning(scene_.ground().options, scene_.ground().mesh, scene_.ground().particles));
     scene_.build();
     const std::vector<double> at_rest(2 * static_cast<std::size_t>(d().system.halo->size()), 0.0);
     record::require_contours({scene_.ground().mesh, files_.options, scene_.plan(), d(), at_rest});

@@ -48,8 +48,10 @@ CoarseMesh::CoarseMesh(fem::ElasticBody body, const couple::NodeField& node_fiel
     grids_.emplace_back(*fine_.parts[p], fine_.around[p]);
     first_kind_.push_back(grid_stiffness_.size());
     for (std::size_t kind = 0; kind < grids_[p].kinds(); ++kind)
-      grid_stiffness_.push_back(fem::element_tangent(rectangle(grids_[p].size_of(kind)), fem::ElementVector::Zero(),
-                                                     body_.law, fem::Kinematics::small));
+      for (std::size_t law = 0; law < body_.laws(); ++law)
+        grid_stiffness_.push_back(fem::element_tangent(rectangle(grids_[p].size_of(kind)), fem::ElementVector::Zero(),
+                                                       body_.regions ? body_.regions->elastic(law) : body_.law,
+                                                       fem::Kinematics::small));
   }
   fine_first_ = gather_all(mesh.comm(), std::vector<PetscInt>{system.rows.first});
   gather_sets();
@@ -97,7 +99,9 @@ void CoarseMesh::sort_cells()
     const bool split = std::ranges::any_of(nodes, [&, key = patch](Index node) {
       return split_.contains({key, node});
     });
-    const std::size_t stiffness = first_kind_[p] + grids_[p].kind(cell);
+    const Vector<2> middle = 0.5 * (grids_[p].point(nodes[0]) + grids_[p].point(nodes[2]));
+    const std::size_t stiffness =
+        first_kind_[p] + grids_[p].kind(cell) * body_.laws() + (body_.regions ? body_.regions->at(middle) : 0);
     const bool damaged = support_ && support_->damaged(static_cast<Index>(number));
     groups.clear();
     if (!carried && !split && !damaged) {
@@ -105,7 +109,6 @@ void CoarseMesh::sort_cells()
       for (std::size_t a = 0; a < 4; ++a) rows[a] = grid_rows_[p][static_cast<std::size_t>(nodes[a])];
       intact_.emplace_back(stiffness, rows);
     } else if (!split && !damaged && sets_.empty()) {
-      const Vector<2> middle = 0.5 * (grids_[p].point(nodes[0]) + grids_[p].point(nodes[2]));
       groups.emplace_back();
       for (std::size_t a = 0; a < 4; ++a) groups.back().first[a] = corner(patch, nodes[a], -1, middle);
       groups.back().second = 1.0;
@@ -150,7 +153,7 @@ void CoarseMesh::add_special(const fem::ElementMatrix& stiffness, const std::arr
 void CoarseMesh::add_cut(const xfem::CutElement& cut)
 {
   const xfem::EnrichedMatrix k = xfem::enriched_tangent(cut.element, xfem::EnrichedVector::Zero(cut.element.unknowns()),
-                                                        body_.law, fem::Kinematics::small);
+                                                        body_.law_of(cut.cell), fem::Kinematics::small);
   Special special;
   for (const Index v : body_.mesh.cell(cut.cell)) special.rows.push_back(vertex_rows_[static_cast<std::size_t>(v)]);
   Eigen::MatrixXd map = Eigen::MatrixXd::Identity(k.rows(), k.cols());

@@ -206,7 +206,7 @@ void CarriedBonds<Dim>::for_each_overstretched(std::span<const double> u, std::s
     if (gone_[number] || bond.no_fail) continue;
     const pd::BreakRule& rule = rules[static_cast<std::size_t>(bond.patch)];
     const double s = state_of(number, spread_, rule.kinematics).stretch;
-    if (s > rule.critical_stretch) visit(number, s);
+    if (s > rule.critical_stretch * bond.stretch) visit(number, s);
   }
 }
 
@@ -253,7 +253,8 @@ void CarriedBonds<Dim>::overstretched(std::span<const double> u, std::span<const
 {
   for_each_overstretched(u, rules, [&](std::size_t number, double stretch) {
     const CarriedBond<Dim>& bond = bonds_[number];
-    if (counted(bond)) ratios.push_back(stretch / rules[static_cast<std::size_t>(bond.patch)].critical_stretch);
+    const double critical = rules[static_cast<std::size_t>(bond.patch)].critical_stretch * bond.stretch;
+    if (counted(bond)) ratios.push_back(stretch / critical);
   });
 }
 

@@ -19,7 +19,8 @@ template <int Dim> void CarriedBonds<Dim>::step_explicitly()
   for (std::size_t number = 0; number < bonds_.size(); ++number) {
     const CarriedBond<Dim>& bond = bonds_[number];
     if (bond.leaves.side < 0 || !starts_at_row(bond)) continue;
-    along_sides.push_back({number, points_.rows(bond.a)[0], bond.b, bond.patch, bond.no_fail, bond.xi, bond.leaves});
+    along_sides.push_back(
+        {number, points_.rows(bond.a)[0], bond.b, bond.patch, bond.no_fail, bond.stretch, bond.xi, bond.leaves});
   }
   runs_ = std::make_unique<CarriedRuns<Dim>>(points_, std::move(along_sides), rows_.owned());
   fill_lanes();
@@ -69,7 +70,7 @@ template <int Dim> void CarriedBonds<Dim>::refresh_lanes() const
       const CarriedBond<Dim>& bond = bonds_[number];
       const bool watched = !limits_.empty() && !bond.no_fail && !gone_[number];
       lanes.set(k, gone_[number] ? 0.0 : bond.kappa,
-                watched ? kEarly * limits_[static_cast<std::size_t>(bond.patch)]
+                watched ? kEarly * bond.stretch * limits_[static_cast<std::size_t>(bond.patch)]
                         : std::numeric_limits<double>::infinity());
     }
 }
@@ -80,9 +81,9 @@ template <int Dim> void CarriedBonds<Dim>::refresh_runs() const
   constexpr double kEarly = 1.0 - 1e-9;
   runs_->set_stiffness(
       [this](std::size_t number) { return gone_[number] ? 0.0 : bonds_[number].kappa / rest_[number].length; });
-  runs_->set_limits([this](Index patch) {
+  runs_->set_limits([this](Index patch, double stretch) {
     if (limits_.empty()) return std::numeric_limits<double>::infinity();
-    const double s = limits_[static_cast<std::size_t>(patch)];
+    const double s = limits_[static_cast<std::size_t>(patch)] * stretch;
     return kEarly * (kinematics_ == pd::Kinematics::finite ? s * (2.0 + s) : s);
   });
 }
@@ -101,7 +102,8 @@ template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> 
     const CarriedBond<Dim>& bond = bonds_[number];
     const Vector<Dim> eta = points_.displacement(bond.b, u) - points_.displacement(bond.a, u);
     const law::BondState<Dim> state = state_of(number, eta, kinematics_);
-    if (!limits_.empty() && !bond.no_fail && state.stretch > limits_[static_cast<std::size_t>(bond.patch)])
+    if (!limits_.empty() && !bond.no_fail &&
+        state.stretch > limits_[static_cast<std::size_t>(bond.patch)] * bond.stretch)
       overstretched_seen_ = true;
     const Vector<Dim> force = bond.kappa * state.stretch * state.direction;
     points_.add_force(bond.force_a, -force, rows_.owned(), r);

@@ -39,7 +39,8 @@ template <int Dim> bool weighs_as(const CarriedPoints<Dim>& points, Index a, Ind
 /// Bonds of one kind are alike but for their places.
 template <int Dim> auto kind(const RunBond<Dim>& bond)
 {
-  return std::tuple(bond.leaves.depth, meeting(bond.leaves.along).cell, bond.no_fail, bond.xi[0], bond.xi[1]);
+  return std::tuple(bond.leaves.depth, meeting(bond.leaves.along).cell, bond.no_fail, bond.stretch, bond.xi[0],
+                    bond.xi[1]);
 }
 
 template <int Dim> bool same(const CarriedPoints<Dim>& points, Index a, Index b)
@@ -307,6 +308,7 @@ template <int Dim> void CarriedRuns<Dim>::add_run(const Piece& piece, Index from
   stiffness_.resize(stiffness_.size() + static_cast<std::size_t>(run.blocks) * kRunBlock, 0.0);
   runs_.push_back(run);
   patches_.push_back(bond.no_fail ? -1 : bond.patch);
+  stretches_.push_back(bond.stretch);
 }
 
 template <int Dim> RunView<Dim> CarriedRuns<Dim>::view() const

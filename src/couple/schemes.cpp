@@ -4,12 +4,14 @@
 #include "pdx/geom/line_pieces.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace pdx::couple {
 namespace {
 using Part = pd::LatticePart<2>;
-constexpr double kTouch = 1e-9; // of the acting part of a bond, at either end
+constexpr double kTouch = 1e-9;  // of the acting part of a bond, at either end
+constexpr double kInside = 1e-6; // likewise, so far from an end is its material
 
 Site<2> stepped(Site<2> site, const Site<2>& step, int sign)
 {
@@ -26,6 +28,7 @@ struct Draft {
   Vector<2> xi = Vector<2>::Zero();
   double kappa = 0.0, energy_share = 0.0, volume = 0.0;
   bool cut = false, no_fail = false;
+  double stretch = 1.0;
   std::uint64_t key = 0;
   Leaving leaves;
 };
@@ -101,7 +104,8 @@ private:
   {
     if (!factors_.of) return 1.0;
     const Site<2> lower = sign > 0 ? site : stepped(site, part_.stencil().half[arm].step, -1);
-    return factors_.any(lower) ? factors_.of(lower, arm) : 1.0;
+    if (!factors_.any(lower)) return 1.0;
+    return factors_.surface ? factors_.surface(lower, arm) : factors_.of(lower, arm);
   }
 
   /// Lattice cells beside a free side in which corrected bonds meet the interface.
@@ -231,6 +235,18 @@ private:
       draft.cut = draft.cut || (cracks && cracks->cuts(from, to));
     for (const geom::Box<2>& box : options_.no_fail)
       for (const Vector<2>& end : sites) draft.no_fail = draft.no_fail || box.contains(end);
+    if (options_.regions) judge_material(draft, begin, acts);
+  }
+
+  /// A bond is made of what its acting part lies in: where a material ends with its patch, either side keeps its own.
+  void judge_material(Draft& draft, const Vector<2>& begin, const Vector<2>& acts) const
+  {
+    const Vector<2> inwards = kInside * acts;
+    const std::size_t a = options_.regions->at(begin + inwards), b = options_.regions->at(begin + acts - inwards);
+    draft.kappa *= options_.regions->stiffness(a, b);
+    draft.stretch = options_.regions->stretch(a, b);
+    draft.no_fail = draft.no_fail || std::isinf(draft.stretch);
+    if (draft.no_fail) draft.stretch = 1.0;
   }
 
   const field::Rows& rows_;
@@ -314,6 +330,7 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
       bond.volume = draft.volume;
       bond.cut = draft.cut;
       bond.no_fail = draft.no_fail;
+      bond.stretch = draft.stretch;
       bond.patch = static_cast<int>(p);
       bond.key = draft.key;
       bond.leaves = draft.leaves;

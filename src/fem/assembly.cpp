@@ -28,6 +28,13 @@ const ElementMatrix& ReusedStiffness::of(const Corners& corners)
   return matrix_;
 }
 
+std::vector<ReusedStiffness> reused_stiffness(const ElasticBody& body)
+{
+  std::vector<ReusedStiffness> all;
+  for (std::size_t k = 0; k < body.laws(); ++k) all.emplace_back(body.regions ? body.regions->elastic(k) : body.law);
+  return all;
+}
+
 void count_couplings(const mesh::Mesh& mesh, std::span<const Index> cells, std::span<const Index> local_rows,
                      field::Couplings& couplings)
 {
@@ -58,7 +65,7 @@ void count_couplings(const mesh::Mesh& mesh, std::span<const Index> cells, std::
 void assemble_stiffness(const ElasticBody& body, std::span<const Index> cells, std::span<const Index> local_rows,
                         std::span<const double> displacement, field::BlockAdder& adder)
 {
-  ReusedStiffness reused(body.law);
+  std::vector<ReusedStiffness> reused = reused_stiffness(body);
   const bool straight = body.kinematics == Kinematics::small || displacement.empty();
   for (const Index c : cells) {
     const auto& vertices = body.mesh.cell(c);
@@ -70,7 +77,8 @@ void assemble_stiffness(const ElasticBody& body, std::span<const Index> cells, s
       if (!straight) d.segment<2>(static_cast<Index>(2 * a)) << displacement[2 * v], displacement[2 * v + 1];
     }
     const Corners corners = body.mesh.corners(c);
-    const ElementMatrix k = straight ? reused.of(corners) : element_tangent(corners, d, body.law, body.kinematics);
+    const ElementMatrix k =
+        straight ? reused[body.number(c)].of(corners) : element_tangent(corners, d, body.law_of(c), body.kinematics);
     adder.add(rows, rows, {k.data(), static_cast<std::size_t>(k.size())});
   }
 }

@@ -23,8 +23,8 @@ double largest_ratio(const ElementMatrix& stiffness, const Eigen::Vector4d& area
 } // namespace
 
 ElasticTerm::ElasticTerm(const mesh::Mesh& mesh, const law::Elastic& law, Kinematics kinematics,
-                         std::vector<PetscInt> node_rows)
-    : body_{mesh, law, kinematics}, node_rows_(std::move(node_rows))
+                         std::vector<PetscInt> node_rows, const law::Regions* regions)
+    : body_{mesh, law, kinematics, regions}, node_rows_(std::move(node_rows))
 {
   int rank = 0;
   MPI_Comm_rank(mesh.comm(), &rank);
@@ -40,16 +40,22 @@ ElasticTerm::ElasticTerm(const mesh::Mesh& mesh, const law::Elastic& law, Kinema
 
 void ElasticTerm::keep_stiffness()
 {
-  ReusedStiffness reused(body_.law);
+  std::vector<ReusedStiffness> reused = reused_stiffness(body_);
+  std::vector<Index> last(reused.size(), -1); // shape of each law
   for (const Index c : cells_) {
-    const ElementMatrix& k = reused.of(body_.mesh.corners(c));
-    if (reused.integrations() > kMostShapes) {
-      stiffness_.clear();
-      shape_.clear();
-      return;
+    const std::size_t number = body_.number(c);
+    const int before = reused[number].integrations();
+    const ElementMatrix& k = reused[number].of(body_.mesh.corners(c));
+    if (reused[number].integrations() > before) {
+      if (reused[number].integrations() > kMostShapes) {
+        stiffness_.clear();
+        shape_.clear();
+        return;
+      }
+      last[number] = static_cast<Index>(stiffness_.size());
+      stiffness_.push_back(k);
     }
-    if (reused.integrations() > static_cast<int>(stiffness_.size())) stiffness_.push_back(k);
-    shape_.push_back(reused.integrations() - 1);
+    shape_.push_back(last[number]);
   }
 }
 
@@ -74,10 +80,13 @@ void ElasticTerm::bind(const field::RowHalo& halo)
 
 void ElasticTerm::sort_for_sweeps()
 {
-  std::vector<ElementSweep::Element> elements;
+  std::vector<std::vector<ElementSweep::Element>> elements(body_.laws());
   for (std::size_t k = 0; k < cells_.size(); ++k)
-    elements.push_back({body_.mesh.corners(cells_[k]), rows_of(cells_[k]), counted_[k] != 0});
-  sweep_ = ElementSweep(body_.law, body_.kinematics, elements, owned_rows_);
+    elements[body_.number(cells_[k])].push_back({body_.mesh.corners(cells_[k]), rows_of(cells_[k]), counted_[k] != 0});
+  sweeps_.clear();
+  for (std::size_t k = 0; k < elements.size(); ++k)
+    sweeps_.emplace_back(body_.regions ? body_.regions->elastic(k) : body_.law, body_.kinematics, elements[k],
+                         owned_rows_);
 }
 
 void ElasticTerm::sort_out_free_cells()
@@ -109,10 +118,15 @@ void ElasticTerm::add_residual(std::span<const double> u, std::span<double> r) c
 {
   static Event event("fe_residual");
   const Timed timed(event);
-  sweep_.add_force(u, r);
+  for (const ElementSweep& sweep : sweeps_) sweep.add_force(u, r);
 }
 
-double ElasticTerm::energy(std::span<const double> u) const { return sweep_.energy(u); }
+double ElasticTerm::energy(std::span<const double> u) const
+{
+  double sum = 0.0;
+  for (const ElementSweep& sweep : sweeps_) sum += sweep.energy(u);
+  return sum;
+}
 
 void ElasticTerm::linearise(std::span<const double> u)
 {
@@ -154,8 +168,9 @@ void ElasticTerm::add_free_diagonal(field::BlockAdder& adder) const
 
 void ElasticTerm::add_mass(std::span<double> mass) const
 {
-  const double per_area = body_.law.density * body_.law.thickness;
   for (const Index c : cells_) {
+    const law::Elastic& law = body_.law_of(c);
+    const double per_area = law.density * law.thickness;
     const CellRows rows = rows_of(c);
     const Eigen::Vector4d areas = corner_areas(body_.mesh.corners(c));
     for (std::size_t a = 0; a < 4; ++a)
@@ -165,16 +180,18 @@ void ElasticTerm::add_mass(std::span<double> mass) const
 
 void ElasticTerm::add_stiffness_bound(std::span<double> blocks) const
 {
-  ReusedStiffness reused(body_.law);
-  int integrations = 0;
-  Eigen::Vector4d bound; // of the shape at hand, per corner [N/m]
+  std::vector<ReusedStiffness> reused = reused_stiffness(body_);
+  std::vector<int> integrations(reused.size(), 0);
+  std::vector<Eigen::Vector4d> bounds(reused.size()); // of the shape at hand, per corner [N/m]
   for (const Index c : cells_) {
     const Corners corners = body_.mesh.corners(c);
-    const ElementMatrix& stiffness = reused.of(corners);
-    if (reused.integrations() > integrations) {
+    const std::size_t number = body_.number(c);
+    const ElementMatrix& stiffness = reused[number].of(corners);
+    Eigen::Vector4d& bound = bounds[number];
+    if (reused[number].integrations() > integrations[number]) {
       const Eigen::Vector4d areas = corner_areas(corners);
       bound = largest_ratio(stiffness, areas) * areas;
-      integrations = reused.integrations();
+      integrations[number] = reused[number].integrations();
     }
     const CellRows rows = rows_of(c);
     for (std::size_t a = 0; a < 4; ++a)

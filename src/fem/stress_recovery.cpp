@@ -31,7 +31,7 @@ std::vector<double> nodal_stress(const ElasticBody& body, std::span<const double
       const auto v = static_cast<std::size_t>(vertices[a]);
       d.segment<2>(static_cast<Index>(2 * a)) << displacement[2 * v], displacement[2 * v + 1];
     }
-    const auto at_corners = corner_stress(mesh.corners(c), d, body.law, body.kinematics);
+    const auto at_corners = corner_stress(mesh.corners(c), d, body.law_of(c), body.kinematics);
     for (std::size_t a = 0; a < 4; ++a) {
       const auto v = static_cast<std::size_t>(vertices[a]);
       if (v >= owned) continue;

@@ -50,9 +50,10 @@ std::vector<geom::Box<2>> boxes_of(const std::string& name, const std::vector<do
   return boxes;
 }
 
-std::optional<double> optional_real(Options& o, const std::string& name, const char* unit, const char* help)
+std::optional<double> optional_real(Options& o, const std::string& name, const char* unit, const char* help,
+                                    std::optional<double> usual = std::nullopt)
 {
-  const double value = o.real(name, kNone, unit, help, Range::positive());
+  const double value = o.real(name, usual.value_or(kNone), unit, help, Range::positive());
   return std::isnan(value) ? std::nullopt : std::optional(value);
 }
 } // namespace
@@ -85,13 +86,14 @@ CrackOptions CrackOptions::read()
   return c;
 }
 
-FractureOptions FractureOptions::read()
+FractureOptions FractureOptions::read(std::optional<double> usual)
 {
   Options o("pd");
   FractureOptions f;
   static constexpr const char* toughnesses[] = {"lattice", "continuum"};
   static constexpr const char* releases[] = {"all", "worst"};
-  f.toughness = optional_real(o, "-material_toughness", "J/m^2", "energy release rate Gc; without it nothing breaks");
+  f.toughness = optional_real(o, "-material_toughness", "J/m^2", "energy release rate Gc; without it nothing breaks",
+                              o.given("-pd_critical_stretch") ? std::nullopt : usual);
   f.critical_stretch =
       optional_real(o, "-pd_critical_stretch", "-", "stretch at which bonds break, instead of -material_toughness");
   f.by = static_cast<pd::Toughness>(

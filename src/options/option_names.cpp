@@ -20,8 +20,9 @@ struct Family {
 };
 const std::vector<Family>& families()
 {
-  static const std::vector<Family> all{
-      {"-bc_names", "-bc_"}, {"-crack_names", "-crack_"}, {"-mpm_bodies", "-mpm_"}, {"-probe_names", "-probe_"}};
+  static const std::vector<Family> all{{"-bc_names", "-bc_"},         {"-crack_names", "-crack_"},
+                                       {"-mpm_bodies", "-mpm_"},      {"-probe_names", "-probe_"},
+                                       {"-region_names", "-region_"}, {"-interface_names", "-interface_"}};
   return all;
 }
 

@@ -4,6 +4,7 @@
 #include "pdx/base/shown.hpp"
 #include "pdx/law/bond.hpp"
 #include "pdx/options/adapt_options.hpp"
+#include "pdx/options/material_options.hpp"
 #include "pdx/options/option_names.hpp"
 
 #include <algorithm>
@@ -13,7 +14,6 @@
 namespace pdx::options {
 namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kRounding = 1e-12; // of a ratio written in full
 
 geom::Box<2> box_of(const std::string& name, const std::vector<double>& v, std::size_t at)
 {
@@ -26,29 +26,6 @@ geom::Box<2> box_of(const std::string& name, const std::vector<double>& v, std::
 
 bool is_cloud() { return Options("pd").given("-pd_cloud"); }
 bool are_points() { return Options("mpm").given("-mpm_bodies"); }
-
-law::Elastic read_material(bool describe, bool& solid)
-{
-  Options o("material");
-  law::Elastic elastic;
-  static constexpr const char* planes[] = {"stress", "strain", "solid"};
-  const int plane = o.choice("-material_plane", 0, planes, "plane problem, or solid: in space, as deep as thick");
-  solid = plane == 2;
-  elastic.plane = plane == 0 ? law::Plane::stress : law::Plane::strain; // of the moduli in space
-  elastic.young = o.real("-material_young", kNone, "Pa", "Young's modulus", Range::positive());
-  elastic.poisson =
-      o.real("-material_poisson", law::required_poisson(2, elastic.plane), "-",
-             "Poisson's ratio; with particles 1/3 (plane stress) or 1/4 (plane strain, solid), taken exactly",
-             {-0.999, 0.4999});
-  elastic.thickness =
-      o.real("-material_thickness", 1.0, "m", "out-of-plane thickness; of a solid its depth", Range::positive());
-  if (!describe && solid && !is_cloud() && !are_points() && !o.given("-material_thickness"))
-    throw UserError("-material_thickness is missing: give the depth of the solid in m");
-  elastic.density = o.real("-material_density", 0.0, "kg/m^3", "mass density; needed in time", Range::positive());
-  if (!describe && std::isnan(elastic.young))
-    throw UserError("-material_young is missing: give Young's modulus in Pa, e.g. -material_young 1e9");
-  return elastic;
-}
 
 void read_patches(Options& o, PdOptions& pd)
 {
@@ -80,16 +57,6 @@ void require_poisson(const PdOptions& pd, const law::Elastic& elastic, bool soli
   } catch (const UserError& wrong) {
     throw UserError(fmt::format("-material_poisson is {}: {}", elastic.poisson, wrong.what()));
   }
-}
-
-/// One value for bonds and elements: the one that `require_poisson` found near.
-void take_required_poisson(SceneOptions& s)
-{
-  const double required = law::required_poisson(s.solid ? 3 : 2, s.elastic.plane);
-  if (std::abs(s.elastic.poisson - required) > kRounding)
-    s.warnings.push_back(fmt::format("-material_poisson is {}: taken as {}, the only value that bonds can have",
-                                     s.elastic.poisson, s.elastic.plane == law::Plane::stress ? "1/3" : "1/4"));
-  s.elastic.poisson = required;
 }
 
 PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
@@ -323,9 +290,9 @@ void judge_solid(const SceneOptions& s)
 
 void judge(const SceneOptions& s)
 {
-  if (s.points.any()) return judge_points(s), judge_time(s);
+  if (s.points.any()) return judge_points(s), judge_regions(s), judge_time(s);
   if (s.pd.seeded) judge_seeds(s);
-  if (!s.pd.cloud.empty()) return judge_cloud(s), judge_time(s);
+  if (!s.pd.cloud.empty()) return judge_cloud(s), judge_regions(s), judge_time(s);
   if (s.solid) judge_solid(s);
   const bool layered = std::any_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.layer; });
   if (layered && !s.pd.everywhere)
@@ -345,6 +312,7 @@ void judge(const SceneOptions& s)
   if (s.post.any_j() && s.cracks.lines.empty() && !s.post.j_centre)
     throw UserError("-post_j_... needs a crack: give -crack_names, or -post_j_centre");
   judge_time(s);
+  judge_regions(s);
   if (!s.time.dynamic() &&
       std::none_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.holds(); }))
     throw UserError("the body is not held anywhere: give a -bc_NAME_displacement");
@@ -366,14 +334,22 @@ SceneOptions read_all(bool describe)
   } catch (const UserError&) {
     if (!describe) throw;
   }
-  s.elastic = read_material(describe, s.solid);
-  s.pd = read_pd(s.elastic, s.solid, describe);
+  const Materials materials = Materials::read();
+  const Material named = materials.named("-material", "a material by name, e.g. soda_lime_glass: its young, poisson, "
+                                                      "density and toughness, where they are not given");
+  s.elastic = read_material(named, describe, s.solid);
+  s.pd = read_pd(of_bonds(s, named), s.solid, describe);
   if (!describe && s.pd.any()) take_required_poisson(s);
   s.points = PointOptions::read(s.elastic, s.solid, describe);
   s.scheme = static_cast<couple::Scheme>(
       Options("couple").choice("-couple_scheme", 0, schemes, "how bonds that leave a patch act on elements"));
   s.cracks = CrackOptions::read();
-  s.fracture = FractureOptions::read();
+  s.fracture = FractureOptions::read(s.pd.any() ? named.toughness : std::nullopt);
+  s.region_set = RegionSetOptions::read(materials, s.elastic, s.pd.any(), describe);
+  if (!s.fracture.active() && s.region_set.toughness()) {
+    s.fracture.toughness = s.region_set.toughness();
+    s.fracture.rest_breaks = false;
+  }
   s.conditions = read_conditions(s.solid, describe);
   s.load = LoadOptions::read();
   s.time = TimeOptions::read();

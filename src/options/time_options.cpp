@@ -59,6 +59,27 @@ field::History read_table(const std::string& option, const std::string& name)
     throw UserError(fmt::format("{} is {}: has no line with a time and a factor", option, shown_path(name)));
   return field::History::table(std::move(points));
 }
+
+/// The same in the option itself: time:factor,time:factor,...
+std::vector<field::History::Point> points_of(const std::string& option, const std::vector<std::string>& items)
+{
+  constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+  std::vector<field::History::Point> points;
+  for (const std::string& item : items) {
+    const std::size_t colon = item.find(':');
+    const bool both = colon != std::string::npos;
+    const double time = both ? number_of(option, item.substr(0, colon), "s").value_or(kNoNumber) : kNoNumber;
+    const double factor = both ? number_of(option, item.substr(colon + 1), "-").value_or(kNoNumber) : kNoNumber;
+    if (!std::isfinite(time) || !std::isfinite(factor))
+      throw UserError(fmt::format("{} is \"{}\" in item {}: must be a time in s and a factor, e.g. 1e-3:0.5", option,
+                                  shown(item), points.size() + 1));
+    if (!points.empty() && time < points.back().time)
+      throw UserError(
+          fmt::format("{}: time {:g} is before {:g} of the item in front of it", option, time, points.back().time));
+    points.push_back({time, factor});
+  }
+  return points;
+}
 } // namespace
 
 CheckpointOptions CheckpointOptions::read()
@@ -196,12 +217,16 @@ std::optional<field::History> read_history(Options& o, const std::string& stem)
 {
   enum { constant, step, ramp, gaussian, table };
   static constexpr const char* shapes[] = {"constant", "step", "ramp", "gaussian", "table"};
-  const std::string name = stem + "_history", at = name + "_time", over = name + "_width", from = name + "_file";
+  const std::string name = stem + "_history", at = name + "_time", over = name + "_width", from = name + "_file",
+                    within = name + "_points";
   const int shape =
-      o.choice(name, 0, shapes, "factor in time: 1; 0 then 1; rising; exp(-((t - time)/width)^2); a file");
+      o.choice(name, o.given(within) ? table : constant, shapes,
+               "factor in time: 1; 0 then 1; rising; exp(-((t - time)/width)^2); straight between points");
   const double time = o.real(at, 0.0, "s", "when it steps, begins to rise, or peaks");
   const double width = o.real(over, 0.0, "s", "how long it rises, or the pulse's width", Range::at_least(0.0));
   const std::string file = o.text(from, "", "table: CSV of time [s] and factor, straight in between");
+  const std::vector<std::string> items =
+      o.texts(within, {}, "table: the points here, time:factor,time:factor,..., e.g. 0:0,1ms:1,2ms:0");
   const auto refuse = [&](bool needed, const std::string& option) {
     if (o.given(option) && !needed)
       throw UserError(fmt::format("{} has no meaning for {} {}", option, name, shapes[shape]));
@@ -209,10 +234,14 @@ std::optional<field::History> read_history(Options& o, const std::string& stem)
   refuse(shape == step || shape == ramp || shape == gaussian, at);
   refuse(shape == ramp || shape == gaussian, over);
   refuse(shape == table, from);
+  refuse(shape == table, within);
   if ((shape == ramp || shape == gaussian) && width <= 0.0)
     throw UserError(fmt::format("{} {} needs a duration: give {} in s", name, shapes[shape], over));
-  if (shape == table && file.empty()) throw UserError(fmt::format("{} table needs a file: give {}", name, from));
-  if (!o.given(name)) return std::nullopt;
+  if (shape == table && file.empty() && items.empty())
+    throw UserError(fmt::format("{} table needs points: give {} or {}", name, from, within));
+  if (!file.empty() && !items.empty())
+    throw UserError(fmt::format("{} and {} say the same: give one of them", from, within));
+  if (!o.given(name) && items.empty()) return std::nullopt;
   switch (shape) {
   case step:
     return field::History::step(time);
@@ -221,7 +250,7 @@ std::optional<field::History> read_history(Options& o, const std::string& stem)
   case gaussian:
     return field::History::gaussian(time, width);
   case table:
-    return read_table(from, file);
+    return items.empty() ? read_table(from, file) : field::History::table(points_of(within, items));
   default:
     return field::History();
   }

@@ -166,7 +166,8 @@ template <int Dim> void BondTerm<Dim>::add_mass(std::span<double> mass) const
 {
   for (const auto& part : parts_)
     for (std::size_t k = 0; k < part->sites().size(); ++k)
-      mass[static_cast<std::size_t>(part->first_row()) + k] += part->stencil().volume() * part->stencil().density;
+      mass[static_cast<std::size_t>(part->first_row()) + k] +=
+          part->stencil().volume() * part->density(static_cast<Index>(k));
 }
 
 template <int Dim> void BondTerm<Dim>::add_stiffness_bound(std::span<double> blocks) const

@@ -36,7 +36,8 @@ template <int Dim, Kinematics kinematics> struct BreakSpans {
   {
     for (const Span& span : spans) {
       typename Simd<W>::Mask any{};
-      for (Index k = 0; k < span.length; k += W) any |= over<W>(span.h, span.at + k, span.length - k);
+      const double least = least_limit(span.h);
+      for (Index k = 0; k < span.length; k += W) any |= growth_of<W>(span.h, span.at + k, span.length - k) > least;
       for (int l = 0; l < W; ++l)
         if (any[l]) {
           break_span<W>(span);
@@ -46,10 +47,21 @@ template <int Dim, Kinematics kinematics> struct BreakSpans {
   }
 
 private:
-  template <int W> PDX_INLINE typename Simd<W>::Mask over(std::size_t h, std::ptrdiff_t i, std::ptrdiff_t count) const
+  /// What the growth of a bond along the half arm must exceed.
+  PDX_INLINE double limit(std::size_t h, double s0) const
+  {
+    const double factor = kinematics == Kinematics::linear ? s0 : s0 * (2.0 + s0);
+    return factor * view.arms[h].length * view.arms[h].length;
+  }
+  /// The least that any bond along it has.
+  PDX_INLINE double least_limit(std::size_t h) const
+  {
+    return limit(h, rule.regions ? rule.critical_stretch * rule.regions->least_stretch() : rule.critical_stretch);
+  }
+
+  template <int W> PDX_INLINE Lanes<W> growth_of(std::size_t h, std::ptrdiff_t i, std::ptrdiff_t count) const
   {
     const HalfArm<Dim>& arm = view.arms[h];
-    const double s0 = rule.critical_stretch, factor = kinematics == Kinematics::linear ? s0 : s0 * (2.0 + s0);
     Lanes<W> growth{};
     for (std::size_t d = 0; d < Dim; ++d) {
       const Lanes<W> eta = load_first<W>(view.u[d] + i + arm.jump, count) - load_first<W>(view.u[d] + i, count);
@@ -58,19 +70,28 @@ private:
       else
         growth += (2.0 * arm.xi[d] + eta) * eta;
     }
-    return growth > factor * arm.length * arm.length;
+    return growth;
+  }
+  /// Is growth too much for this very bond, where materials differ?
+  PDX_INLINE bool is_over(std::size_t h, std::ptrdiff_t i, double growth) const
+  {
+    return growth >
+           limit(h, rule.critical_stretch * rule.regions->stretch(rule.region[i], rule.region[i + view.arms[h].jump]));
   }
 
   template <int W> PDX_INLINE void break_span(const Span& span) const
   {
     std::uint64_t* plane = words[span.h / 64];
     const std::uint64_t bit = std::uint64_t{1} << span.h % 64;
+    const double least = least_limit(span.h);
     const std::ptrdiff_t jump = view.arms[span.h].jump, end = span.at + span.length;
     for (std::ptrdiff_t first = span.at; first < end; first += W) {
-      const typename Simd<W>::Mask gone = over<W>(span.h, first, end - first);
+      const Lanes<W> growth = growth_of<W>(span.h, first, end - first);
+      const typename Simd<W>::Mask gone = growth > least;
       for (std::ptrdiff_t i = first; i < std::min<std::ptrdiff_t>(first + W, end); ++i) {
         if (!gone[i - first] || !(plane[i] & bit)) continue;
         if (rule.no_fail && (rule.no_fail[i] || rule.no_fail[i + jump])) continue;
+        if (rule.regions && !is_over(span.h, i, growth[i - first])) continue;
         plane[i] &= ~bit;
         ++broken;
       }

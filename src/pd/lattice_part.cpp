@@ -19,15 +19,17 @@ template <int Dim> Site<Dim> shifted(Site<Dim> site, const Site<Dim>& step, Inde
 
 template <int Dim>
 LatticePart<Dim>::LatticePart(const field::Rows& rows, geom::ActiveLattice<Dim> where, Stencil<Dim> stencil,
-                              std::vector<Index> sites, Index first_row, SurfaceCorrection<Dim> correction)
+                              std::vector<Index> sites, Index first_row, SurfaceCorrection<Dim> correction,
+                              std::shared_ptr<const law::Regions> regions)
     : rows_(rows), where_(std::move(where)), stencil_(std::move(stencil)), sites_(std::move(sites)),
       first_row_(first_row), deep_(where_.active.eroded(stencil_.reach)),
       directory_(rows.comm, static_cast<Index>(where_.active.size()), sites_, rows.first + first_row),
-      correction_(std::move(correction))
+      correction_(std::move(correction)), regions_(std::move(regions))
 {
   require_bond_words(stencil_);
   for (const Arm<Dim>& arm : stencil_.half) lines_.push_back(geom::pieces_of_line<Dim>(arm.step));
   place_window();
+  find_regions();
   write_bond_words();
   if (correction_) write_classes();
   collect_halo();
@@ -66,6 +68,34 @@ template <int Dim> void LatticePart<Dim>::place_window()
   for_each_own([&](std::size_t k, const Site<Dim>& site) {
     local_rows_[static_cast<std::size_t>(at(site))] = first_row_ + static_cast<Index>(k);
   });
+}
+
+/// In space regions reach through the thickness.
+template <int Dim> void LatticePart<Dim>::find_regions()
+{
+  if (regions_ && regions_->one_elastic() && regions_->one_stretch()) regions_.reset();
+  if (!regions_) return;
+  region_.assign(static_cast<std::size_t>(window_size_), 0);
+  Site<Dim> site = lower_;
+  for (std::ptrdiff_t k = 0; k + kWindowPadding < window_size_; ++k, go_on(site, 1))
+    region_[static_cast<std::size_t>(k)] = regions_->at(where_.lattice.point(site).template head<2>());
+}
+
+template <int Dim> double LatticePart<Dim>::density(Index k) const
+{
+  if (!regions_) return stencil_.density;
+  const std::ptrdiff_t i = at(where_.active.site(sites_[static_cast<std::size_t>(k)]));
+  return regions_->elastic(region_[static_cast<std::size_t>(i)]).density;
+}
+
+/// A rule with what only this part knows.
+template <int Dim> BreakRule LatticePart<Dim>::completed(BreakRule rule) const
+{
+  rule.no_fail = no_fail_.empty() ? nullptr : no_fail_.data();
+  if (!stretches_vary()) return rule;
+  rule.regions = regions_.get();
+  rule.region = region_.data();
+  return rule;
 }
 
 template <int Dim> bool LatticePart<Dim>::in_window(const Site<Dim>& site) const
@@ -145,7 +175,8 @@ template <int Dim> void LatticePart<Dim>::write_classes()
       for (std::size_t h = 0; h < arms_.size(); ++h) here[h] = has_bond(k, h) ? factors.of(site, h) : 1.0;
       const auto number = static_cast<std::uint16_t>(known.size());
       if (known.size() > std::numeric_limits<std::uint16_t>::max())
-        throw std::logic_error("more classes of corrected bonds than 65536");
+        throw std::logic_error("more than 65536 kinds of sites at surfaces and at borders of regions: give simpler "
+                               "-region_... or more ranks");
       classes_[static_cast<std::size_t>(k)] = known.try_emplace(here, number).first->second;
     }
     k += std::max(plain, 1);

@@ -135,7 +135,7 @@ template <int Dim> std::int64_t LatticePart<Dim>::cut(const crack::CrackSet& cra
 template <int Dim> Broken LatticePart<Dim>::break_bonds(const Window& loaded, BreakRule rule)
 {
   remember_volume();
-  rule.no_fail = no_fail_.empty() ? nullptr : no_fail_.data();
+  rule = completed(rule);
   other_words_ = words_;
   Broken broken;
   broken.bonds = pd::break_bonds<Dim>(view(loaded), segments_, rule, writable(words_));
@@ -182,12 +182,12 @@ void LatticePart<Dim>::note_force(const LostBond<Dim>& bond, Kinematics kinemati
 template <int Dim>
 void LatticePart<Dim>::overstretched(const Window& loaded, BreakRule rule, std::vector<double>& ratios) const
 {
-  rule.no_fail = no_fail_.empty() ? nullptr : no_fail_.data();
+  rule = completed(rule);
   other_words_ = words_;
   pd::break_bonds<Dim>(view(loaded), segments_, rule, writable(other_words_));
   for_each_loss(words_, other_words_, [&](std::ptrdiff_t i, std::size_t h) {
     if (traits_[static_cast<std::size_t>(i)] & kOwned)
-      ratios.push_back(stretch(loaded, i, h, rule.kinematics) / rule.critical_stretch);
+      ratios.push_back(stretch(loaded, i, h, rule.kinematics) / (rule.critical_stretch * stretch_factor(i, h)));
   });
 }
 

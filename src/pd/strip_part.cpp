@@ -46,11 +46,24 @@ Series series_for(double lowest, double highest)
 }
 } // namespace
 
+/// What e of a bond must exceed to break it.
+template <int Dim> double StripPart<Dim>::limit_of(double stretch) const
+{
+  return kinematics_ == Kinematics::linear ? stretch : stretch * (2.0 + stretch);
+}
+
 template <int Dim> void StripPart<Dim>::watch(double critical_stretch)
 {
-  critical_stretch_ = critical_stretch;
-  const double e = kinematics_ == Kinematics::linear ? critical_stretch : critical_stretch * (2.0 + critical_stretch);
-  threshold_ = e * (1.0 - kRoom) - kLeastRoom;
+  critical_stretch_ = least_stretch_ = critical_stretch;
+  threshold_ = limit_of(critical_stretch) * (1.0 - kRoom) - kLeastRoom;
+  thresholds_.clear();
+  if (!part_.stretches_vary()) return;
+  watch_tiles();
+  least_stretch_ = std::numeric_limits<double>::infinity();
+  for (double& least : thresholds_) {
+    least_stretch_ = std::min(least_stretch_, critical_stretch_ * least);
+    least = limit_of(critical_stretch_ * least) * (1.0 - kRoom) - kLeastRoom;
+  }
 }
 
 template <int Dim> void StripPart<Dim>::load(std::span<const double> owned)
@@ -197,7 +210,22 @@ template <int Dim> void StripPart<Dim>::unload(Index slab, double* r) const
 
 template <int Dim> bool StripPart<Dim>::overstretched_seen() const
 {
-  return std::any_of(tasks_.begin(), tasks_.end(), [this](const StripTask& t) { return t.highest > threshold_; });
+  for (std::size_t t = 0; t < tasks_.size(); ++t)
+    if (tasks_[t].highest > threshold(t)) return true;
+  return false;
+}
+
+/// Judges a bond by the critical stretch of its own regions, by the arithmetic of strip_breaker.cpp, on either rank
+/// alike.
+template <int Dim> bool StripPart<Dim>::is_over(std::ptrdiff_t site, std::size_t arm, const Vector<Dim>& eta) const
+{
+  double growth = 0.0;
+  for (std::size_t d = 0; d < Dim; ++d) {
+    const double xi = arms_[arm].xi[d], by = eta[static_cast<Eigen::Index>(d)];
+    growth += kinematics_ == Kinematics::linear ? xi * by : (2.0 * xi + by) * by;
+  }
+  const double length = arms_[arm].length;
+  return growth > limit_of(critical_stretch_ * part_.stretch_factor(site, arm)) * length * length;
 }
 
 template <int Dim> Broken StripPart<Dim>::break_bonds(field::ForceLosses* losses)
@@ -205,21 +233,23 @@ template <int Dim> Broken StripPart<Dim>::break_bonds(field::ForceLosses* losses
   found_.clear();
   StripView<Dim> breakable = view_;
   if (part_.protects_any()) breakable.words = {breakable_[0].data(), breakable_[1].data()};
-  for (StripTask& task : tasks_) {
-    if (!(task.highest > threshold_)) continue;
-    find_overstretched<Dim>(processor_, breakable, task.box, kinematics_, critical_stretch_, found_);
+  for (std::size_t t = 0; t < tasks_.size(); ++t) {
+    StripTask& task = tasks_[t];
+    if (!(task.highest > threshold(t))) continue;
+    find_overstretched<Dim>(processor_, breakable, task.box, kinematics_, least_stretch_, found_);
     task.highest = 0.0;
   }
   std::vector<LostBond<Dim>> lost;
   for (const StripBond& bond : found_) {
     const std::ptrdiff_t line = bond.vector / pitch_, column = bond.vector % pitch_ - stencil_reach_;
     const std::ptrdiff_t site = line * part_.extent()[0] + bond.lane * columns_ + column;
-    for (auto* words : {&words_, &breakable_})
-      if (std::uint64_t* const first = (*words)[bond.arm / 64].data())
-        first[bond.vector * lanes_ + bond.lane] &= ~arms_[bond.arm].bit;
     const double* u = blocks_.data() + bond.vector * StripView<Dim>::kParts * lanes_ + bond.lane;
     Vector<Dim> eta;
     for (int d = 0; d < Dim; ++d) eta[d] = u[arms_[bond.arm].jump + d * lanes_] - u[d * lanes_];
+    if (!thresholds_.empty() && !is_over(site, bond.arm, eta)) continue;
+    for (auto* words : {&words_, &breakable_})
+      if (std::uint64_t* const first = (*words)[bond.arm / 64].data())
+        first[bond.vector * lanes_ + bond.lane] &= ~arms_[bond.arm].bit;
     lost.push_back({site, bond.arm, eta});
   }
   return part_.lose(lost, kinematics_, losses);

@@ -102,7 +102,10 @@ void CrackWatch::write_results(nlohmann::ordered_json& results) const
 {
   const std::span<const crack::Tip> given = given_.tips();
   const track::CrackTree& tree = tracker_.tree();
-  const double limit = law::rayleigh_speed(files_.options.elastic);
+  double limit = law::rayleigh_speed(files_.options.elastic);
+  const law::Regions* regions = files_.options.regions.get();
+  for (std::size_t k = 1; regions && k < regions->count(); ++k) // of the fastest material
+    limit = std::max(limit, law::rayleigh_speed(regions->elastic(k)));
   const geom::Frame& frame = files_.options.frame;
   nlohmann::ordered_json table = nlohmann::ordered_json::array();
   const track::GrownTip* longest = nullptr;

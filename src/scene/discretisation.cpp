@@ -97,7 +97,8 @@ std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const options::Scene
     row += static_cast<Index>(sites.size());
     parts.push_back(std::make_unique<pd::LatticePart<2>>(
         d.system.rows, geom::ActiveLattice<2>{plan.shapes[p].lattice, plan.shapes[p].active}, plan.stencils[p],
-        std::move(sites), first, correction(options, plan, d, p)));
+        std::move(sites), first, in_regions(options, plan.stencils[p], correction(options, plan, d, p)),
+        options.regions));
   }
   return parts;
 }
@@ -189,7 +190,8 @@ void add_peridynamics(const mesh::Mesh& mesh, const options::SceneOptions& optio
                                            d.cracks.empty() ? nullptr : &d.cracks,
                                            d.seams.empty() ? nullptr : &d.seams,
                                            options.fracture.no_fail,
-                                           options.frame};
+                                           options.frame,
+                                           options.regions.get()};
     auto carried = couple::carry_bonds(d.system.rows, coupling, parts, d.around);
     d.carried = carried.get();
     d.system.terms.push_back(std::move(carried));
@@ -202,17 +204,23 @@ void add_peridynamics(const mesh::Mesh& mesh, const options::SceneOptions& optio
     if (!cracks->empty()) d.bonds->cut(*cracks);
 }
 
+/// Null where elements are of one solid: they stay in one sweep.
+const law::Regions* laws_of(const options::SceneOptions& options)
+{
+  return options.regions && !options.regions->one_elastic() ? options.regions.get() : nullptr;
+}
+
 void add_elements(const mesh::Mesh& mesh, const options::SceneOptions& options, Discretisation& d)
 {
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::plain).empty())) {
-    auto elements =
-        std::make_unique<fem::ElasticTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows);
+    auto elements = std::make_unique<fem::ElasticTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows,
+                                                       laws_of(options));
     d.elements = elements.get();
     d.system.terms.push_back(std::move(elements));
   }
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::cut).empty())) {
-    auto cut =
-        std::make_unique<xfem::EnrichedTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows, *d.sets);
+    auto cut = std::make_unique<xfem::EnrichedTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows,
+                                                    *d.sets, laws_of(options));
     d.cut_elements = cut.get();
     d.system.terms.push_back(std::move(cut));
   }
@@ -231,6 +239,8 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   number_rows(mesh, points != nullptr, d);
   field::System& system = d.system;
   system.scale = options.elastic.young * options.elastic.thickness;
+  for (std::size_t k = 1; options.regions && k < options.regions->count(); ++k)
+    system.scale = std::max(system.scale, options.regions->elastic(k).young * options.elastic.thickness);
   add_elements(mesh, options, d);
   if (points) add_points(mesh, options, plan, *points, d);
   if (!plan.shapes.empty() || options.converts()) add_peridynamics(mesh, options, plan, d, assembled);
@@ -266,7 +276,8 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   coarse::FineRows fine{d.node_rows, d.sets.get(), d.bonds->parts(), d.around};
   fine.breakable = d.fracture || !d.cracks.empty() || !d.seams.empty();
   system.coarse = std::make_unique<coarse::CoarseMesh>(
-      fem::ElasticBody{mesh, options.elastic, options.element_kinematics()}, *d.node_field, fine, system);
+      fem::ElasticBody{mesh, options.elastic, options.element_kinematics(), laws_of(options)}, *d.node_field, fine,
+      system);
   return result;
 }
 

@@ -82,7 +82,7 @@ private:
       rank.values.push_back(mesh_.cell_owner(c));
     }
     block.fields.push_back(displacement_field<2>(displacement, owned));
-    const fem::ElasticBody body{mesh_, now.options.elastic, now.options.element_kinematics()};
+    const fem::ElasticBody body{mesh_, now.options.elastic, now.options.element_kinematics(), now.options.regions.get()};
     block.fields.push_back(stress_field(fem::nodal_stress(body, displacement)));
     if (now.options.post.reference_fe)
       block.fields.push_back({"relative_error_percent [%]",
@@ -92,6 +92,12 @@ private:
                               {now.relative_percent.begin(), now.relative_percent.end()}});
     block.fields.push_back(std::move(use));
     block.fields.push_back(std::move(rank));
+    if (now.options.regions) {
+      field::OutputField region{"region", field::Rank::scalar, true, true, {}};
+      for (Index c = 0; c < mesh_.owned_cells(); ++c)
+        region.values.push_back(static_cast<double>(now.options.regions->at(mesh_.centroid(c))));
+      block.fields.push_back(std::move(region));
+    }
     return block;
   }
 

@@ -92,7 +92,8 @@ template <int Dim> field::OutputBlock ParticlePart<Dim>::block(const Picture& no
   if (carried_) carried_->add_energy_density(now.local, density);
   field::OutputField energy{"strain_energy_density [J/m^3]", field::Rank::scalar, false, false, {}};
   field::OutputField kind{"kind", field::Rank::scalar, false, true, {}},
-      owner{"rank", field::Rank::scalar, false, true, {}}, patch{"patch", field::Rank::scalar, false, true, {}};
+      owner{"rank", field::Rank::scalar, false, true, {}}, patch{"patch", field::Rank::scalar, false, true, {}},
+      region{"region", field::Rank::scalar, false, true, {}};
   for (std::size_t k = 0; k < model_.particles.size(); ++k) {
     const pd::Particle& particle = model_.particles[k];
     const auto p = static_cast<std::size_t>(particle.patch);
@@ -103,10 +104,12 @@ template <int Dim> field::OutputBlock ParticlePart<Dim>::block(const Picture& no
     kind.values.push_back(kind_of(k));
     owner.values.push_back(rank);
     patch.values.push_back(particle.patch);
+    if (now.options.regions) region.values.push_back(static_cast<double>(now.options.regions->at({x[0], x[1]})));
   }
   block.fields.push_back(displacement_field<Dim>(now.local.subspan(Dim * begin), model_.particles.size()));
   if (model_.breaks() || !model_.cracks.empty()) push_damage(now.options, damage(), block);
   for (field::OutputField* field : {&energy, &kind, &owner, &patch}) block.fields.push_back(std::move(*field));
+  if (now.options.regions) block.fields.push_back(std::move(region));
   if (model_.bodies)
     block.fields.push_back(
         vector_field<Dim>("velocity [m/s]", now.velocity.subspan(Dim * begin), model_.particles.size()));

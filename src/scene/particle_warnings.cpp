@@ -197,6 +197,24 @@ std::string corner_warning(const PatchPlan& plan, const geom::Box<2>& body, cons
   return {};
 }
 
+std::string region_warning(const options::SceneOptions& options, const mesh::Mesh& mesh,
+                           std::span<const pd::Particle> particles)
+{
+  if (!options.regions) return {};
+  std::vector<int> there(options.regions->count(), 0);
+  for (const pd::Particle& particle : particles) there[options.regions->at(particle.x)] = 1;
+  for (Index c = 0; c < mesh.owned_cells(); ++c)
+    if (mesh.use(c) == mesh::Use::plain || mesh.use(c) == mesh::Use::cut)
+      there[options.regions->at(mesh.centroid(c))] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, there.data(), static_cast<int>(there.size()), MPI_INT, MPI_MAX, mesh.comm());
+  for (std::size_t region = 1; region < there.size(); ++region)
+    if (!there[region])
+      return fmt::format("-region_{0} holds the middle of no element and no particle and changes nothing: give another "
+                         "place (coordinates in m), or drop it",
+                         options.regions->name(region));
+  return {};
+}
+
 template std::vector<std::string> cloud_warnings<2>(const options::SceneOptions&, const CloudPart<2>&);
 template std::vector<std::string> cloud_warnings<3>(const options::SceneOptions&, const CloudPart<3>&);
 template void require_rows<2>(const options::SceneOptions&, const std::array<Index, 2>&);

@@ -9,13 +9,27 @@
 #include "pdx/scene/solid.hpp"
 #include "pdx/solve/stable_step.hpp"
 
+#include <cmath>
+
 namespace pdx::scene {
 namespace {
-template <int Dim> StepLimits limits_of(std::span<const pd::Stencil<Dim>> stencils, const field::System& system)
+/// The papers' step of the material with the least.
+template <int Dim> double papers_step(const pd::Stencil<Dim>& stencil, const law::Regions* regions)
+{
+  double least = 1.0;
+  for (std::size_t k = 1; regions && k < regions->count(); ++k)
+    least = std::min(least,
+                     std::sqrt(regions->elastic(k).density / regions->elastic(0).density / regions->stiffness(k, k)));
+  return least * pd::papers_step(stencil);
+}
+
+template <int Dim>
+StepLimits limits_of(std::span<const pd::Stencil<Dim>> stencils, const field::System& system,
+                     const law::Regions* regions = nullptr)
 {
   StepLimits limits{solve::stable_step(system).limit, 0.0};
   for (const auto& stencil : stencils) {
-    const double papers = pd::papers_step(stencil);
+    const double papers = papers_step<Dim>(stencil, regions);
     limits.papers = limits.papers > 0.0 ? std::min(limits.papers, papers) : papers;
   }
   return limits;
@@ -83,8 +97,16 @@ public:
   }
   Standing standing() override { return {&ground_.mesh, d_.get()}; }
   field::System& system() override { return d_->system; }
-  StepLimits limits() override { return limits_of<2>(ground_.plan.stencils, d_->system); }
-  std::vector<std::string> warnings() override { return ground_.warnings(); }
+  StepLimits limits() override
+  {
+    return limits_of<2>(ground_.plan.stencils, d_->system, ground_.options.regions.get());
+  }
+  std::vector<std::string> warnings() override
+  {
+    std::vector<std::string> all = ground_.warnings();
+    all.push_back(region_warning(ground_.options, ground_.mesh, d_->particles));
+    return all;
+  }
   adapt::SceneView view() const override { return d_->view(ground_.mesh); }
   const PatchPlan& patches() const override { return ground_.plan; }
   void change(const Layout& layout) override
@@ -119,8 +141,11 @@ public:
   }
   Standing standing() override { return {&mesh_, solid_.get()}; }
   field::System& system() override { return solid_->system; }
-  StepLimits limits() override { return limits_of<3>({&plan_.stencil, 1}, solid_->system); }
-  std::vector<std::string> warnings() override { return {thin_warning(options_, plan_.lattice.count)}; }
+  StepLimits limits() override { return limits_of<3>({&plan_.stencil, 1}, solid_->system, options_.regions.get()); }
+  std::vector<std::string> warnings() override
+  {
+    return {thin_warning(options_, plan_.lattice.count), region_warning(options_, mesh_, solid_->particles)};
+  }
 
 private:
   static SolidPlan judged(const options::SceneOptions& options, mesh::MeshOptions& mesh)

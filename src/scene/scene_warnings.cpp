@@ -85,6 +85,8 @@ std::vector<std::string> option_warnings(const options::SceneOptions& options)
   std::vector<std::string> lines{time_warning(options), load_warning(options)};
   if (options.solid)
     for (const options::BoundaryCondition& c : options.conditions) lines.push_back(third_warning(c));
+  const std::vector<std::string> of_regions = options::region_warnings(options);
+  lines.insert(lines.end(), of_regions.begin(), of_regions.end());
   std::erase(lines, "");
   return lines;
 }

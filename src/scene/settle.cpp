@@ -93,6 +93,7 @@ void move_into(const geom::Frame& frame, double finest, options::SceneOptions& o
     if (c.at) move(*c.at);
   }
   if (options.post.j_centre) move(*options.post.j_centre);
+  options.regions = options.region_set.settled(frame, options.elastic, options.fracture);
   snap_patches(options);
   snap_cracks(options);
 }

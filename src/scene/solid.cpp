@@ -76,7 +76,8 @@ pd::BondTerm<3>& add_bonds(const options::SceneOptions& options, const SolidPlan
         plan.stencil, [lattice = plan.lattice](const Site<3>& site) { return lattice.contains(site); });
   std::vector<std::unique_ptr<pd::LatticePart<3>>> parts;
   parts.push_back(std::make_unique<pd::LatticePart<3>>(solid.system.rows, plan.lattice, plan.stencil, std::move(sites),
-                                                       0, std::move(correction)));
+                                                       0, in_regions<3>(options, plan.stencil, std::move(correction)),
+                                                       options.regions));
   auto owned = std::make_unique<pd::BondTerm<3>>(std::move(parts), options.bond_kinematics(), false);
   pd::BondTerm<3>& bonds = *owned;
   solid.system.terms.push_back(std::move(owned));

@@ -19,21 +19,23 @@ EnrichedVector gathered(std::span<const Index> rows, std::span<const double> u)
 } // namespace
 
 EnrichedTerm::EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, fem::Kinematics kinematics,
-                           const std::vector<PetscInt>& node_rows, const EnrichedSets& sets)
-    : law_(law), kinematics_(kinematics)
+                           const std::vector<PetscInt>& node_rows, const EnrichedSets& sets,
+                           const law::Regions* regions)
+    : kinematics_(kinematics)
 {
   for (const CutElement& cut : sets.cells()) {
     const auto& vertices = mesh.cell(cut.cell);
     const bool own = cut.cell < mesh.owned_cells();
     if (!own && std::ranges::none_of(vertices, [&](Index v) { return v < mesh.owned_vertices(); })) continue;
-    Part part{&cut.element, own, {}, {}, {}, {}};
+    Part part{
+        &cut.element, own, {}, {}, {}, {}, regions ? regions->elastic(regions->at(mesh.centroid(cut.cell))) : law};
     for (const Index v : vertices) part.global_rows.push_back(node_rows[static_cast<std::size_t>(v)]);
     for (const PetscInt row : cut.sets)
       if (row >= 0) part.global_rows.push_back(row);
     PDX_ASSERT(2 * static_cast<int>(part.global_rows.size()) == cut.element.unknowns());
     part.state = EnrichedVector::Zero(cut.element.unknowns());
     if (kinematics_ == fem::Kinematics::small)
-      part.stiffness = enriched_tangent(cut.element, part.state, law_, kinematics_);
+      part.stiffness = enriched_tangent(cut.element, part.state, part.law, kinematics_);
     parts_.push_back(std::move(part));
   }
   for (Index v = 0; v < mesh.owned_vertices(); ++v)
@@ -62,8 +64,8 @@ void EnrichedTerm::add_residual(std::span<const double> u, std::span<double> r) 
   const Timed timed(event);
   for (const Part& part : parts_) {
     const EnrichedVector d = gathered(part.rows, u);
-    const EnrichedVector force =
-        constant_jacobian() ? EnrichedVector(part.stiffness * d) : enriched_force(*part.element, d, law_, kinematics_);
+    const EnrichedVector force = constant_jacobian() ? EnrichedVector(part.stiffness * d)
+                                                     : enriched_force(*part.element, d, part.law, kinematics_);
     for (std::size_t k = 0; k < part.rows.size(); ++k) {
       if (part.rows[k] >= owned_rows_) continue;
       const auto at = 2 * static_cast<std::size_t>(part.rows[k]);
@@ -79,7 +81,8 @@ double EnrichedTerm::energy(std::span<const double> u) const
   for (const Part& part : parts_) {
     if (!part.counted) continue;
     const EnrichedVector d = gathered(part.rows, u);
-    sum += constant_jacobian() ? 0.5 * d.dot(part.stiffness * d) : enriched_energy(*part.element, d, law_, kinematics_);
+    sum += constant_jacobian() ? 0.5 * d.dot(part.stiffness * d)
+                               : enriched_energy(*part.element, d, part.law, kinematics_);
   }
   return sum;
 }
@@ -103,26 +106,26 @@ template <class Visit> void EnrichedTerm::for_each_side(Visit&& visit) const
         rows[a] = part.rows[far ? set : a];
         set += part.element->enriched[a];
       }
-      visit(points, rows);
+      visit(points, rows, part.law);
     }
 }
 
 void EnrichedTerm::add_mass(std::span<double> mass) const
 {
-  for_each_side([&](std::span<const PartPoint> points, const std::array<Index, 4>& rows) {
+  for_each_side([&](std::span<const PartPoint> points, const std::array<Index, 4>& rows, const law::Elastic& law) {
     double area = 0.0;
     for (const PartPoint& at : points) area += at.area;
     for (const Index row : rows)
-      if (row < owned_rows_) mass[static_cast<std::size_t>(row)] += 0.25 * law_.density * law_.thickness * area;
+      if (row < owned_rows_) mass[static_cast<std::size_t>(row)] += 0.25 * law.density * law.thickness * area;
   });
 }
 
 /// With equal masses at all corner values, the largest eigenvalue of the stiffness itself is the sharp bound.
 void EnrichedTerm::add_stiffness_bound(std::span<double> blocks) const
 {
-  for_each_side([&](std::span<const PartPoint> points, const std::array<Index, 4>& rows) {
+  for_each_side([&](std::span<const PartPoint> points, const std::array<Index, 4>& rows, const law::Elastic& law) {
     const double bound =
-        symmetric_eigenvalues(fem::part_tangent(points, fem::ElementVector::Zero(), law_, fem::Kinematics::small))[7];
+        symmetric_eigenvalues(fem::part_tangent(points, fem::ElementVector::Zero(), law, fem::Kinematics::small))[7];
     for (const Index row : rows)
       if (row < owned_rows_)
         for (const std::size_t diagonal : {0, 3}) blocks[4 * static_cast<std::size_t>(row) + diagonal] += bound;
@@ -153,7 +156,7 @@ void EnrichedTerm::add_jacobian(field::BlockAdder& adder, bool) const
   const Timed timed(event);
   for (const Part& part : parts_) {
     const EnrichedMatrix k =
-        constant_jacobian() ? part.stiffness : enriched_tangent(*part.element, part.state, law_, kinematics_);
+        constant_jacobian() ? part.stiffness : enriched_tangent(*part.element, part.state, part.law, kinematics_);
     adder.add(part.rows, part.rows, {k.data(), static_cast<std::size_t>(k.size())});
   }
 }

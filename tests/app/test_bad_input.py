@@ -115,6 +115,9 @@ FILES = {
     "empty.msh": "",
     "no_dash.opts": "-mesh_cells 4,4\nmaterial_young 1e9\n",
     "circle.opts": "-options_file circle.opts\n",
+    "short.txt": "# mine\nclay 1GPa 0.3\n",
+    "seconds.txt": "clay 1s 0.3 - -\n",
+    "word.txt": "clay stiff 0.3 - -\n",
     "blocker": "a regular file\n",
     "good.cracks": "# a crack a line\n0 0.55, 1 0.55\n\n0,0.3,1,0.3 # another\n",
     "word.cracks": "0 0.55 0.3 0.55\n0.7 half 1 0.45\n",
@@ -176,7 +179,48 @@ def seed(name, pattern, **change):
     return Case(name, {f"-{key}": value for key, value in change.items()}, pattern, SEED)
 
 
+PARTICLES = {"pd_patches": "0.25,0.25,0.75,0.75", "pd_spacing": "0.05", "pd_horizon_ratio": "3.015"}
+
+
+def region(name, pattern, **change):
+    """A case on the plate with one region."""
+    return Case(name, {f"-{key}": value for key, value in change.items()}, pattern, PLATE | {"-region_names": "r", "-region_r_box": "0,0,0.5,1"})
+
+
 CASES = [
+    # --- regions and materials by name
+    region("region without a shape", r"-region_r: a region needs one shape.*-region_r_box", region_r_box=None),
+    region("region of two shapes", r"-region_r: a region needs one shape", region_r_polygon="0,0,1,0,1,1"),
+    region("region upside down", r"-region_r_box is 1,0,0,1\b.*x0 < x1", region_r_box="1,0,0,1"),
+    region("region of two corners", r"-region_r_polygon\b.*three corners", region_r_box=None, region_r_polygon="0,0,1,0"),
+    region("surface without a mesh", r"-region_r_surface\b.*-mesh_file", region_r_box=None, region_r_surface="plate"),
+    Case("surface that a mesh has not", {"-mesh_file": "{dir}/right.msh", "-region_names": "r", "-region_r_surface": "plat"},
+         r"-region_r_surface plat: -mesh_file .*no physical surface \"plat\": it has plate", FILE),
+    region("region that is not listed", r"-region_q_young is no option of pdxsolve: q is not in -region_names", region_q_young="1e9"),
+    region("region listed twice", r"-region_names lists r twice", region_names="r,r"),
+    region("region called rest", r"-region_names lists rest\b.*another name", region_names="r,rest", region_rest_box="0,0,1,1"),
+    region("soft as nothing", r"-region_r_young\b.*above 0", region_r_young="0"),
+    region("toughness of a region without particles", r"-region_r_toughness\b.*-pd_patches", region_r_toughness="3"),
+    region("a ratio that bonds do not have", r"-region_r_poisson is 0\.2\b.*0\.333", region_r_poisson="0.2", **PARTICLES),
+    region("tough and unbreakable", r"-region_r_toughness\b.*-region_r_no_fail", region_r_toughness="3", region_r_no_fail="", **PARTICLES),
+    region("a stretch of one material", r"-pd_critical_stretch\b.*-region_NAME_toughness", pd_critical_stretch="1e-3", **PARTICLES),
+    region("J of two materials", r"-post_j_\b.*one material", post_j_domain="0.1,0.2", crack_names="c", crack_c_points="0,0.5,0.5,0.5"),
+    region("region without a density", r"-material_density is missing", analysis="explicit", ts_max_steps="2"),
+    region("an interface to nowhere", r"-interface_i_between: there is no region q: there are r and rest", interface_names="i",
+           interface_i_between="r,q", interface_i_toughness="1", **PARTICLES),
+    region("an interface of one", r"-interface_i_between must name two regions", interface_names="i", interface_i_between="r",
+           interface_i_toughness="1", **PARTICLES),
+    region("an interface without a toughness", r"-interface_i_toughness is missing", interface_names="i", interface_i_between="r,rest",
+           **PARTICLES),
+    plate("an interface without regions", r"-interface_names\b.*-region_names", interface_names="i", interface_i_between="a,b"),
+    points("regions of points", r"-region_names\b.*-mpm_NAME_young", region_names="r", region_r_box="0,0,1,1"),
+    cloud("regions of a cloud", r"-region_names: a -pd_cloud is of one material", region_names="r", region_r_box="0,0,1,1"),
+    plate("a material that is not there", r"-material is gold: there are .*alumina.*did you mean", material_young=None, material="gold"),
+    region("a region's material that is not there", r"-region_r_material is alumna: .*did you mean alumina\?", region_r_material="alumna"),
+    plate("a file of materials that is not there", r"-material_file.*nowhere\.txt: there is no such file", material_file="nowhere.txt"),
+    plate("a short line of materials", r"-material_file .*short\.txt, line 2: .*here are 3 words", material_file="{dir}/short.txt"),
+    plate("a modulus in seconds", r"-material_file .*seconds\.txt, line 1: .*Pa", material_file="{dir}/seconds.txt"),
+    plate("a word for a modulus", r"-material_file .*word\.txt, line 1: .*no Young's modulus", material_file="{dir}/word.txt"),
     # --- names
     plate("misspelt option", r"-mesh_cels\b.*-mesh_cells\b", mesh_cels="4,4"),
     plate("misspelt option in place of a needed one", r"-material_young\b", material_young=None, material_yuong="1e9"),

@@ -54,6 +54,14 @@ class Limit(program.ProgramTest):
         for block in blocks.values():
             self.assertLess(abs(block["displacement"]).max(), 0.1)
 
+class Histories(program.ProgramTest):
+    def test_points_of_a_table_in_place(self):
+        """A free plate under a body force b f(t): v = b / rho times the integral of f, kinetic energy m v^2 / 2 [closed form]."""
+        pushed = HIT | {"-bc_hit_box": None, "-bc_hit_initial_velocity": None, "-bc_hit_body": "3,4", "-bc_hit_history_points": "0:0,1:1,3000ms:0",
+                        "-ts_max_steps": None, "-ts_max_time": "4", "-ts_safety": "0.2"}  # fmt: skip
+        self.assertAlmostEqual(self.solve(pushed).summary["results"]["kinetic_energy"], 0.5 * (5 * 1.5) ** 2, delta=0.01)
+
+
 class Ranks(program.ProgramTest):
     def test_without_particles_step_too(self):
         scene = HIT | {"-mesh_cells": "32,32", "-pd_patches": "0.125,0.125,0.25,0.25", "-output_fields": ""}

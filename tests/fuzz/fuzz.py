@@ -90,7 +90,7 @@ class Inputs:
         return case
 
     def text_file(self):
-        return self.damaged([s for s in self.files if "text" in s or s in ("motion", "cracks", "cloud_csv", "points")], mutations.text)
+        return self.damaged([s for s in self.files if "text" in s or s in ("motion", "cracks", "regions", "cloud_csv", "points")], mutations.text)
 
     def binary_file(self):
         return self.damaged([s for s in self.files if "binary" in s] + ["cloud_h5", "restart", "restart_mixed"], mutations.binary)

@@ -28,6 +28,8 @@ SCENES = {
     "patch": BOX + MATERIAL + HELD + PATCH + "# a crack\n-crack_names a\n-crack_a_points 0,0.5,0.5,0.5\n-pd_critical_stretch 1\n",
     "motion": BOX + MATERIAL + HELD + PATCH + MOVING + "-bc_right_history table\n-bc_right_history_file {dir}/history.csv\n",
     "cracks": BOX + MATERIAL + HELD + PATCH + "-crack_file {dir}/cracks.txt\n",
+    "regions": BOX + MATERIAL + HELD + PATCH + "-material_file {dir}/materials.txt\n-region_names a,b\n-region_a_polygon 0.1,0.1,0.9,0.2,0.5,0.9\n"
+    "-region_a_material clay\n-region_b_box 0.5,0,1,1\n-region_b_no_fail\n-interface_names i\n-interface_i_between a,rest\n-interface_i_toughness 1\n",
     "cloud_csv": CLOUD + "-pd_cloud {dir}/cloud.csv\n",
     "cloud_h5": CLOUD + "-pd_cloud {dir}/cloud.h5\n",
     "points": POINTS + FRICTION,
@@ -65,6 +67,7 @@ def write_files(directory):
     (directory / "history.csv").write_text("time,value\n0,0\n1e-4,1\n2e-4,0.5\n1,0.5\n")
     sites = [(0.05 + 0.1 * i, 0.05 + 0.1 * j) for j in range(4) for i in range(8)]
     (directory / "points.csv").write_text("x,y,volume\n" + "".join(f"{x:.17g},{y:.17g},0.01\n" for x, y in sites))
+    (directory / "materials.txt").write_text("# mine\nclay 2GPa 0.3 1800kg/m^3 5\nwax 10MPa 0.4 - -\n")
     (directory / "cracks.txt").write_text("# cracks\n0,0.5 0.4,0.5\n0.6,0.55,0.7,0.55\n")
     for version in ("2.2", "4.1"):
         for kind in ("text", "binary"):
@@ -72,6 +75,7 @@ def write_files(directory):
     return {
         "motion": "history.csv",
         "cracks": "cracks.txt",
+        "regions": "materials.txt",
         "cloud_csv": "cloud.csv",
         "cloud_h5": "cloud.h5",
         "restart": "checkpoint.h5",

@@ -1,7 +1,7 @@
 #pragma once
 #include "pdx/adapt/scene_view.hpp"
 #include "pdx/fem/element.hpp"
-#include "pdx/law/elastic.hpp"
+#include "pdx/law/regions.hpp"
 
 #include <unordered_map>
 
@@ -19,7 +19,8 @@ public:
     std::span<const double> density;      ///< strain energy, per owned row [J/m^3]
     const law::Elastic& elastic;
     fem::Kinematics kinematics;
-    double most; ///< that one element may add [J]
+    double most;                           ///< that one element may add [J]
+    const law::Regions* regions = nullptr; ///< of other materials
   };
   EnergyTrial(const SceneView& scene, const Given& given);
 
@@ -31,6 +32,7 @@ private:
   std::vector<Piece> pieces(Index cell, const crack::CrackSet& paths) const;
   double energy_of_element(const Piece& piece) const;
   double volume(std::size_t particle) const;
+  const law::Elastic& law_of(std::size_t particle) const;
   std::size_t row(std::size_t particle) const;
 
   const SceneView& scene_;

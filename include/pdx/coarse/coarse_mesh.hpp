@@ -87,7 +87,7 @@ private:
   FineRows fine_;
   const field::System& system_;
   std::vector<PatchGrid> grids_;
-  std::vector<fem::ElementMatrix> grid_stiffness_; // of an intact cell, per patch and kind of cell
+  std::vector<fem::ElementMatrix> grid_stiffness_; // of an intact cell, per patch, kind of cell and law
   std::vector<std::size_t> first_kind_;            // of each patch in it
   std::vector<Index> elements_;                    // local plain cells that touch an owned vertex
   std::vector<Index> cut_;                         // likewise cut cells

@@ -24,6 +24,7 @@ template <int Dim> struct CarriedBond {
   double volume = 0.0;            ///< beta V of the outer end where a is a particle, else 0 [m^3]
   bool cut = false;               ///< by a crack from the start: it carries nothing, but counts in the whole family
   bool no_fail = false;           ///< it never breaks
+  double stretch = 1.0;           ///< its critical stretch over that of the patch           [-]
   Index patch = 0;                ///< the patch of its particle, whose critical stretch it has
   std::uint64_t key = 0;          ///< the bond's own number, the same on any rank and any number of ranks
   Leaving leaves = {};            ///< through which straight side of the patch, where that is known

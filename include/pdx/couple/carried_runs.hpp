@@ -16,7 +16,8 @@ template <int Dim> struct RunBond {
   Index point = 0;        ///< of its other end, among the carried ones
   Index patch = 0;
   bool no_fail = false;
-  Vector<Dim> xi; ///< from the particle to the point [m]
+  double stretch = 1.0; ///< critical one over that of the patch [-]
+  Vector<Dim> xi;       ///< from the particle to the point [m]
   Leaving leaves;
 };
 
@@ -39,11 +40,12 @@ public:
     for (std::size_t k = 0; k < numbers_.size(); ++k)
       stiffness_[static_cast<std::size_t>(lanes_[k])] += stiffness(numbers_[k]);
   }
-  /// @param limit of a patch, what growth of a bond is watched for (`Run::limit`); bonds that never fail are not [-]
+  /// @param limit of a patch and a bond's `stretch`, what growth is watched for (`Run::limit`); bonds that never fail
+  /// are not [-]
   template <class Limit> void set_limits(Limit&& limit)
   {
     for (std::size_t k = 0; k < runs_.size(); ++k)
-      runs_[k].limit = patches_[k] < 0 ? std::numeric_limits<double>::infinity() : limit(patches_[k]);
+      runs_[k].limit = patches_[k] < 0 ? std::numeric_limits<double>::infinity() : limit(patches_[k], stretches_[k]);
   }
 
   /// r += forces of the bonds on owned rows at displacement u. @return was a limit passed?
@@ -68,7 +70,8 @@ private:
   std::vector<RunParticles> particles_;
   std::vector<RunPoints> points_;
   std::vector<Run<Dim>> runs_;
-  std::vector<Index> patches_; // per run, -1: its bonds never fail
+  std::vector<Index> patches_;    // per run, -1: its bonds never fail
+  std::vector<double> stretches_; // per run
   std::vector<Index> rows_, particle_rows_, hosts_;
   AlignedVector<double> weights_, stiffness_;
   std::vector<std::size_t> numbers_;

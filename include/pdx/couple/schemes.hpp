@@ -21,6 +21,7 @@ struct CouplingOptions {
   const crack::CrackSet* seams = nullptr;  ///< the same, where the mesh is parted
   std::span<const geom::Box<2>> no_fail;   ///< bonds with an end in one of them never break [m]
   geom::Frame frame = {};                  ///< of coordinates in messages
+  const law::Regions* regions = nullptr;   ///< of other materials than the patches' stencils; null: none
 };
 
 /// Where the material around a patch counts to bond families: everywhere, or (papers) in the ghost layers only. In the

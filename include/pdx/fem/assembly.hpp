@@ -2,17 +2,23 @@
 #include "pdx/fem/element.hpp"
 #include "pdx/fem/shape.hpp"
 #include "pdx/field/block_adder.hpp"
-#include "pdx/law/elastic.hpp"
+#include "pdx/law/regions.hpp"
 #include "pdx/mesh/mesh.hpp"
 
 #include <optional>
 
 namespace pdx::fem {
-/// An elastic solid on a mesh; borrows the mesh.
+/// An elastic solid on a mesh; borrows the mesh and the regions.
 struct ElasticBody {
   const mesh::Mesh& mesh;
   law::Elastic law;
   Kinematics kinematics = Kinematics::small;
+  const law::Regions* regions = nullptr; ///< of other materials; null: all is of `law`
+
+  std::size_t laws() const { return regions ? regions->count() : 1; }
+  /// Number of a cell's law: of the region that holds its middle.
+  std::size_t number(Index cell) const { return regions ? regions->at(mesh.centroid(cell)) : 0; }
+  const law::Elastic& law_of(Index cell) const { return regions ? regions->elastic(number(cell)) : law; }
 };
 
 /// Small-strain stiffness of cell after cell, integrated again only when the shape of the cell changes: once for a
@@ -30,6 +36,8 @@ private:
   ElementMatrix matrix_;
   int integrations_ = 0;
 };
+/// One for each law of a body.
+std::vector<ReusedStiffness> reused_stiffness(const ElasticBody& body);
 
 /// Counts the couplings of owned rows through the listed cells, each neighbour once.
 /// @param local_rows as for `assemble_stiffness`

@@ -12,7 +12,9 @@ class ElasticTerm final : public field::Term {
 public:
   /// @param node_rows global row of every local vertex, -1 where no plain cell needs one; the rows of owned vertices
   ///        are owned rows
-  ElasticTerm(const mesh::Mesh& mesh, const law::Elastic& law, Kinematics kinematics, std::vector<PetscInt> node_rows);
+  /// @param regions outlives the Term; null: all is of `law`
+  ElasticTerm(const mesh::Mesh& mesh, const law::Elastic& law, Kinematics kinematics, std::vector<PetscInt> node_rows,
+              const law::Regions* regions = nullptr);
 
   void needed_rows(std::vector<PetscInt>& rows) const override;
   void bind(const field::RowHalo& halo) override;
@@ -54,7 +56,7 @@ private:
   std::vector<double> node_displacement_; ///< 2 per local vertex, at the last linearisation (finite only) [m]
   std::vector<FreeCells> free_;           ///< by shape
   std::vector<Index> border_;             ///< cells that are not free
-  ElementSweep sweep_;                    ///< over cells_
+  std::vector<ElementSweep> sweeps_;      ///< over cells_, one for each law
   Index owned_rows_ = 0;
 };
 } // namespace pdx::fem

@@ -17,15 +17,17 @@ struct CrackOptions {
 
 /// When bonds break; without a toughness nothing ever breaks and nothing is paid for it.
 struct FractureOptions {
-  std::optional<double> toughness;        ///< energy release rate Gc [J/m^2]
+  std::optional<double> toughness;        ///< energy release rate Gc, by which critical stretches are told [J/m^2]
   std::optional<double> critical_stretch; ///< instead of it [-]
+  bool rest_breaks = true; ///< false: `toughness` is that of a region, and nothing breaks outside regions
   pd::Toughness by = pd::Toughness::lattice;
   std::vector<geom::Box<2>> no_fail; ///< bonds with an end in one of them never break [m]
   couple::Release release = couple::Release::all;
   double release_share = 0.1;
 
   bool active() const { return toughness || critical_stretch; }
-  static FractureOptions read();
+  /// @param usual toughness of a material by name
+  static FractureOptions read(std::optional<double> usual);
 };
 
 /// The path of a quasi-static load.

@@ -9,6 +9,7 @@
 #include "pdx/options/fracture_options.hpp"
 #include "pdx/options/point_options.hpp"
 #include "pdx/options/probe_options.hpp"
+#include "pdx/options/region_options.hpp"
 #include "pdx/options/time_options.hpp"
 #include "pdx/pd/stencil.hpp"
 
@@ -85,7 +86,9 @@ struct SceneOptions {
   geom::Frame frame; ///< of all coordinates below: as given until `settle`
   mesh::MeshOptions mesh;
   law::Elastic elastic;
-  bool solid = false; ///< in space: the body in the plane, extruded by the thickness
+  RegionSetOptions region_set;                 ///< as given
+  std::shared_ptr<const law::Regions> regions; ///< null until `settle`, and where all is of one material
+  bool solid = false;                          ///< in space: the body in the plane, extruded by the thickness
   Kinematics kinematics = Kinematics::small;
   PdOptions pd;
   PointOptions points;

@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/crack/crack_set.hpp"
 #include "pdx/geom/site_set.hpp"
+#include "pdx/law/regions.hpp"
 #include "pdx/pd/bond_kernel.hpp"
 #include "pdx/pd/stencil.hpp"
 
@@ -13,6 +14,8 @@ struct BreakRule {
   Kinematics kinematics = Kinematics::finite;
   double critical_stretch = 0.0;         ///< s0; bonds with s > s0 break             [-]
   const std::uint8_t* no_fail = nullptr; ///< per window site; bonds with an end where it is not 0 never break
+  const law::Regions* regions = nullptr; ///< not null: s0 times `Regions::stretch` of the regions of both ends
+  const std::uint8_t* region = nullptr;  ///< per window site, where there are regions
 };
 
 /// Bonds that broke, each counted by one rank only: sums over ranks are those of the scene.

@@ -2,6 +2,7 @@
 #include "pdx/field/force_loss.hpp"
 #include "pdx/field/rows.hpp"
 #include "pdx/geom/line_pieces.hpp"
+#include "pdx/law/regions.hpp"
 #include "pdx/pd/breaker.hpp"
 #include "pdx/pd/damage.hpp"
 #include "pdx/pd/site_directory.hpp"
@@ -30,9 +31,11 @@ template <int Dim> class LatticePart {
 public:
   /// @param where   sites of the whole patch, by whose place they are numbered
   /// @param sites   owned site numbers, ascending; their rows follow each other from local row `first_row`
-  /// @param correction  of bonds near free surfaces; empty: none. Collective.
+  /// @param correction  of bonds near free surfaces and in regions of other materials; empty: none. Collective.
+  /// @param regions  of other densities and toughness; null: all is of one
   LatticePart(const field::Rows& rows, geom::ActiveLattice<Dim> where, Stencil<Dim> stencil, std::vector<Index> sites,
-              Index first_row, SurfaceCorrection<Dim> correction);
+              Index first_row, SurfaceCorrection<Dim> correction,
+              std::shared_ptr<const law::Regions> regions = nullptr);
 
   const geom::ActiveLattice<Dim>& where() const { return where_; }
   const geom::Lattice<Dim>& lattice() const { return where_.lattice; }
@@ -101,6 +104,18 @@ public:
   /// Takes out bonds that another layout of the same part found overstretched, in time that grows with their number.
   /// @param losses if not null, their forces on owned rows are appended
   Broken lose(LostBonds lost, Kinematics kinematics, field::ForceLosses* losses = nullptr);
+  /// Of owned particle k [kg/m^3].
+  double density(Index k) const;
+  /// Does the critical stretch of bonds differ from one to another?
+  bool stretches_vary() const { return regions_ && !regions_->one_stretch(); }
+  /// Critical stretch of the bond along half arm `arm` of the site with window index `at` over that of the patch [-].
+  /// The bond is there, and of a particle of this rank.
+  double stretch_factor(std::ptrdiff_t at, std::size_t arm) const
+  {
+    if (!stretches_vary()) return 1.0;
+    return regions_->stretch(region_[static_cast<std::size_t>(at)],
+                             region_[static_cast<std::size_t>(at + arms_[arm].jump)]);
+  }
   bool protects_any() const { return !no_fail_.empty(); }
   /// True if `protect` keeps the bond along half arm `arm` of the site with window index `at`.
   bool protects(std::ptrdiff_t at, std::size_t arm) const
@@ -156,6 +171,8 @@ private:
   void place_window();
   void write_bond_words();
   void write_classes();
+  void find_regions();
+  BreakRule completed(BreakRule rule) const;
   void collect_halo();
   void find_traits();
   std::uint8_t traits(std::ptrdiff_t at) const;
@@ -204,6 +221,8 @@ private:
   mutable std::vector<double> now_volume_;          // likewise, but of particles that lost bonds since; empty: unknown
   mutable std::vector<std::ptrdiff_t> thinned_;     // window indices of those, where now_volume_ is known
   SurfaceCorrection<Dim> correction_;
+  std::shared_ptr<const law::Regions> regions_;
+  std::vector<std::uint8_t> region_;   // per window site; empty: none of them matters here
   std::vector<std::uint16_t> classes_; // per window site; empty: no bond of this rank has a surface factor
   std::vector<double> factors_;        // per class and half arm [-]
   std::vector<Index> local_rows_;      // per window site: local row or -1

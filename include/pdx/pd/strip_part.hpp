@@ -13,6 +13,7 @@ public:
   StripPart(LatticePart<Dim>& part, Kinematics kinematics, Processor processor = chosen_processor());
 
   /// From now on forces look for bonds with s > critical_stretch. Infinity: nothing breaks.
+  /// @param critical_stretch of the patch; bonds of regions have theirs in proportion
   void watch(double critical_stretch);
   /// Tiles count as at rest where no displacement component exceeds this size [m]. 0 changes no result; below 0 nothing
   /// is skipped.
@@ -75,6 +76,10 @@ private:
   void lay_tiles();
   void lay_pieces();
   void lay_factors();
+  double limit_of(double stretch) const;
+  double threshold(std::size_t tile) const { return thresholds_.empty() ? threshold_ : thresholds_[tile]; }
+  void watch_tiles();
+  bool is_over(std::ptrdiff_t site, std::size_t arm, const Vector<Dim>& eta) const;
   void lay_ends();
   void shrink_boxes();
   std::vector<std::uint8_t> around(const std::vector<std::uint8_t>& tiles) const;
@@ -99,6 +104,8 @@ private:
   int lanes_;
   double critical_stretch_ = std::numeric_limits<double>::infinity();
   double threshold_ = std::numeric_limits<double>::infinity(); // of StripTask::highest, with room for rounding
+  std::vector<double> thresholds_; // of each tile, where regions differ in it; empty: threshold_
+  double least_stretch_ = std::numeric_limits<double>::infinity(); // of any bond, where they differ
   double at_rest_ = 0.0;
 
   int stencil_reach_ = 0, columns_ = 0; // columns: length of a strip

@@ -8,7 +8,8 @@ namespace pdx::pd {
 /// True for a site, inside or outside the lattice, where the body has material that counts to a bond family.
 template <int Dim> using Exists = std::function<bool(const Site<Dim>&)>;
 
-/// The factors that free surfaces give to the stiffness of the bonds which start in a window.
+/// The factors that free surfaces, and regions of other materials, give to the stiffness of the bonds which start in a
+/// window.
 template <int Dim> struct BondFactors {
   /// False where all bonds that start at the site have the factor 1.
   std::function<bool(const Site<Dim>& lower)> any;
@@ -16,6 +17,8 @@ template <int Dim> struct BondFactors {
   std::function<Index(const Site<Dim>& lower)> end_of_plain;
   /// Of the bond along a half arm from its lower end, which must be in the window; the bond must be there.     [-]
   std::function<double(const Site<Dim>& lower, std::size_t arm)> of;
+  /// The part of it that is due to surfaces, where materials differ besides; empty: all of it.                 [-]
+  std::function<double(const Site<Dim>& lower, std::size_t arm)> surface;
   /// Rows beside a straight free side in which tension along it is as uniform all in all, force and moment; 0: none.
   Index even_over = 0;
 };

@@ -3,6 +3,7 @@
 #include "pdx/couple/step_breaker.hpp"
 #include "pdx/field/system.hpp"
 #include "pdx/pd/particles.hpp"
+#include "pdx/pd/region_factors.hpp"
 #include "pdx/scene/body_books.hpp"
 #include "pdx/scene/part.hpp"
 #include "pdx/xfem/enriched_sets.hpp"
@@ -99,6 +100,15 @@ void judge_no_fail(const options::SceneOptions& options, const geom::Box<2>& bod
 
 /// Critical stretch of the bonds of a stencil, by toughness or as given [-].
 template <int Dim> double critical_stretch(const options::SceneOptions& options, const pd::Stencil<Dim>& stencil);
+
+/// With the bonds of other materials, where there are regions.
+template <int Dim>
+pd::SurfaceCorrection<Dim> in_regions(const options::SceneOptions& options, const pd::Stencil<Dim>& stencil,
+                                      pd::SurfaceCorrection<Dim> surfaces)
+{
+  if (!options.regions || options.regions->one_elastic()) return surfaces;
+  return pd::correct_regions<Dim>(stencil, options.regions, std::move(surfaces));
+}
 
 /// What a condition does to the rows it chooses.
 enum class Acts { held, thrown };

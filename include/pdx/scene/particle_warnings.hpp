@@ -15,6 +15,10 @@ template <std::size_t Dim> void require_rows(const options::SceneOptions& option
 std::string thin_warning(const options::SceneOptions& options, const PatchPlan& plan);
 std::string thin_warning(const options::SceneOptions& options, const std::array<Index, 3>& count);
 
+/// Says which region has no element and no particle, so that it changes nothing; empty if each has one. Collective.
+std::string region_warning(const options::SceneOptions& options, const mesh::Mesh& mesh,
+                           std::span<const pd::Particle> particles);
+
 /// Says that the default correction of free sides had to give way to `volume`; empty where it had not.
 std::string correction_warning(const options::SceneOptions& options, const PatchPlan& plan);
 

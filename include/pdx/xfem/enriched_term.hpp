@@ -1,7 +1,7 @@
 #pragma once
 #include "pdx/fem/element.hpp"
 #include "pdx/field/term.hpp"
-#include "pdx/law/elastic.hpp"
+#include "pdx/law/regions.hpp"
 #include "pdx/xfem/enriched_sets.hpp"
 
 namespace pdx::xfem {
@@ -11,8 +11,9 @@ class EnrichedTerm final : public field::Term {
 public:
   /// @param node_rows global row of every local vertex, read at those of cut cells; `sets` must be numbered and outlive
   ///        the Term
+  /// @param regions of other materials, by the middle of a whole cell; borrowed until then only; null: all is of `law`
   EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, fem::Kinematics kinematics,
-               const std::vector<PetscInt>& node_rows, const EnrichedSets& sets);
+               const std::vector<PetscInt>& node_rows, const EnrichedSets& sets, const law::Regions* regions = nullptr);
 
   void needed_rows(std::vector<PetscInt>& rows) const override;
   void bind(const field::RowHalo& halo) override;
@@ -38,16 +39,16 @@ private:
     std::vector<Index> rows;           ///< the same, local
     EnrichedMatrix stiffness;          ///< (small only) [N/m]
     EnrichedVector state;              ///< displacement at the last linearisation (finite only) [m]
+    law::Elastic law;
   };
 
   struct GlobalTie {
     PetscInt row, set;
     double factor;
   };
-  /// Calls visit(points, local rows of the corner values) for each side of each element that has a part.
+  /// Calls visit(points, local rows of the corner values, law) for each side of each element that has a part.
   template <class Visit> void for_each_side(Visit&& visit) const;
 
-  law::Elastic law_;
   fem::Kinematics kinematics_;
   std::vector<Part> parts_;
   std::vector<GlobalTie> ties_; ///< one per owned set

@@ -217,7 +217,7 @@ TEST(CarriedRuns, SeeABondThatPassesItsLimitUnlessItIsGoneOrNeverFails)
     for (auto& bond : edge.bonds) bond.run.no_fail = no_fail && bond.run.row == 33;
     CarriedRuns<2> runs(edge.points, edge.run_bonds(), edge.rows());
     runs.set_stiffness([&](std::size_t number) { return gone && edge.bonds[number].run.row == 33 ? 0.0 : 1.0; });
-    runs.set_limits([&](Index) { return finite ? stretch * (2.0 + stretch) : stretch; });
+    runs.set_limits([&](Index, double) { return finite ? stretch * (2.0 + stretch) : stretch; });
     bool any = false;
     for (const Processor processor : processors()) any = runs.add_forces(processor, finite, u, r);
     return any;

@@ -48,6 +48,24 @@ TEST(Breaker, BreaksWhatIsStretchedBeyondTheCriticalStretch)
   EXPECT_EQ(chain.word, std::vector<std::uint64_t>(5, 0));
 }
 
+TEST(Breaker, BondsOfRegionsHaveTheirOwnCriticalStretch)
+{
+  law::Elastic solid;
+  solid.young = 1.0;
+  const law::Interface strong{1, 0, 72.0}; // sqrt(72 / 8) = 3 times the stretch; in a sqrt(2 / 8) of it
+  const law::Regions regions(solid, 8.0, 8.0, {{"a", {}, solid, 2.0}}, {&strong, 1});
+  const std::vector<std::uint8_t> region{0, 1, 1, 0, 0};
+  for (const auto kinematics : {Kinematics::finite, Kinematics::linear}) {
+    Chain chain;
+    chain.u[0] = {0.0, 0.0, 0.02, 0.06, 0.0}; // s = 0.01 in a, 0.02 from a to the rest
+    EXPECT_EQ(chain.break_at({kinematics, 0.021, nullptr, &regions, region.data()}), 0);
+    EXPECT_EQ(chain.break_at({kinematics, 0.019, nullptr, &regions, region.data()}), 1);
+    EXPECT_EQ(chain.word, (std::vector<std::uint64_t>{0, 0, 1, 0, 0}));
+    EXPECT_EQ(chain.break_at({kinematics, 0.0067, nullptr, &regions, region.data()}), 0);
+    EXPECT_EQ(chain.break_at({kinematics, 0.0066, nullptr, &regions, region.data()}), 1);
+  }
+}
+
 TEST(Breaker, SqueezedBondsHold)
 {
   Chain chain;
