@@ -2,6 +2,7 @@
 
 #include "pdx/mesh/gmsh.hpp"
 #include "pdx/options/adapt_options.hpp"
+#include "pdx/scene/seeds.hpp"
 
 #include <algorithm>
 #include <cmath>
