@@ -141,7 +141,7 @@ Misfit StateMove::misfit_of() const
       return {"/inner", "is missing or has other columns"};
   if (const int width = breaks(scene_) ? words_per_particle(scene_) : 0; state_.words_per_particle != width)
     return {"/gone_bonds", fmt::format("has {} words a particle: must be {}", state_.words_per_particle, width)};
-  if (breaks(scene_) && scene_.d && scene_.d->carried && !state_.carried)
+  if (!changed_ && breaks(scene_) && scene_.d && scene_.d->carried && !state_.carried) // else all were particles
     return {"/broken_carried_bonds", "is missing"};
   if (state_.grips && state_.grips->names.size() * static_cast<std::size_t>(state_.dim + 1) !=
                           state_.grips->numbers.size() * static_cast<std::size_t>(state_.dim + 2))
@@ -244,6 +244,7 @@ std::uint64_t name_of(const pd::LatticePart<2>::BondAt& bond, const geom::SiteNa
 std::set<std::uint64_t> StateMove::parted_bonds() const
 {
   std::set<std::uint64_t> bonds;
+  if (!state_.carried) return bonds;
   for (const std::uint64_t key : *state_.carried)
     for (std::size_t p = 0; p < scene_.plan->shapes.size(); ++p)
       if (const auto bond = couple::lattice_bond(key, scene_.plan->shapes[p].names, scene_.plan->stencils[p])) {
@@ -259,7 +260,7 @@ std::vector<std::uint64_t> StateMove::broken_carried() const
 {
   std::vector<std::uint64_t> keys;
   std::vector<std::size_t> arms;
-  std::vector<std::uint64_t> broken = *state_.carried;
+  std::vector<std::uint64_t> broken = state_.carried.value_or(std::vector<std::uint64_t>{});
   const std::set<std::uint64_t> parted = parted_bonds();
   std::vector<field::RowName> lower; // ends of the bonds
   scene_.d->carried->for_each_key([&](std::uint64_t key, Index patch) {
