@@ -138,7 +138,8 @@ Misfit StateMove::misfit_of() const
   const bool breaks = scene_.model->breaks();
   if (const int width = breaks ? words_per_particle(*scene_.model) : 0; state_.words_per_particle != width)
     return {"/gone_bonds", fmt::format("has {} words a particle: must be {}", state_.words_per_particle, width)};
-  if (breaks && carries_bonds(*scene_.model) && !state_.carried) return {"/broken_carried_bonds", "is missing"};
+  if (!changed_ && breaks && carries_bonds(*scene_.model) && !state_.carried) // else all were particles
+    return {"/broken_carried_bonds", "is missing"};
   if (state_.grips && state_.grips->names.size() * static_cast<std::size_t>(state_.dim + 1) !=
                           state_.grips->numbers.size() * static_cast<std::size_t>(state_.dim + 2))
     return {"/grips", "has other rows than the names"};

@@ -177,8 +177,9 @@ private:
   {
     std::vector<std::uint64_t> keys;
     std::vector<std::size_t> arms;
-    std::vector<std::uint64_t> broken = *before.carried;
-    const std::set<std::uint64_t> parted = parted_bonds(*before.carried);
+    std::vector<std::uint64_t> broken; // none were carried where all were particles
+    if (before.carried) broken = *before.carried;
+    const std::set<std::uint64_t> parted = parted_bonds(broken);
     std::vector<field::RowName> lower; // ends of the bonds
     carried_->for_each_key([&](std::uint64_t key, Index patch) {
       const auto p = static_cast<std::size_t>(patch);

@@ -258,7 +258,7 @@ std::string StaticDriver::repeat(Vec u)
 }
 
 /// If the linear solver fails, the preconditioner may be too old; or the smoother's fast interval may be too short for
-/// this scene: once, with the safe one.
+/// this scene, or sweeps of multigrid too fast: once, with the safe ones.
 std::string StaticDriver::solve(Vec u)
 {
   static Event event("solve_load");
@@ -277,6 +277,11 @@ std::string StaticDriver::solve(Vec u)
     follows_ = false;
   }
   if (!why.empty() && linear_solver_failed() && two_level_ && two_level_->widen(pc_)) why = repeat(u);
+  if (!why.empty() && linear_solver_failed() && !two_level_ && sweep_safely(pc_)) {
+    rule_.demand();
+    stale_ = true;
+    why = repeat(u);
+  }
   return why;
 }
 

@@ -93,4 +93,21 @@ bool TwoLevel::widen(PC pc)
   PDX_CALL(KSPChebyshevSetEigenvalues(smoother, kBound, kLower));
   return wide_ = true;
 }
+
+bool sweep_safely(PC pc)
+{
+  constexpr const char* kSweeps = "-pc_hypre_boomeramg_relax_type_";
+  PetscBool multigrid = PETSC_FALSE, given = PETSC_FALSE;
+  PetscMPIInt ranks = 1;
+  PDX_CALL(MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(pc)), &ranks));
+  PDX_CALL(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCHYPRE, &multigrid));
+  if (ranks == 1 || !multigrid) return false;
+  for (const char* which : {"all", "up", "down"}) {
+    PDX_CALL(PetscOptionsHasName(nullptr, nullptr, (std::string(kSweeps) + which).c_str(), &given));
+    if (given) return false;
+  }
+  prefer("-pc_hypre_boomeramg_relax_type_all", "l1scaled-SOR/Jacobi");
+  PDX_CALL(PCSetFromOptions(pc));
+  return true;
+}
 } // namespace pdx::solve

@@ -354,6 +354,19 @@ class Adapt(program.ProgramTest):
                 self.assertGreater(run.summary["relocations"], 0)
                 self.assertGreater(run.summary["bonds_broken"], 500)
 
+    def test_a_patch_that_took_all_of_the_plate_hands_back(self):
+        # With no element left there are no bonds to elements either; then there are again.
+        run = self.solve({
+            "-mesh_lower": "0,0", "-mesh_upper": "0.4e-3,0.24e-3", "-mesh_cells": "20,12", "-material_young": "75e9",
+            "-material_thickness": "1e-3", "-material_toughness": "5", "-crack_names": "a", "-pd_horizon_ratio": "3",
+            "-crack_a_points": "0,0.13e-3,0.12e-3,0.13e-3", "-adapt": "relocate", "-adapt_seed": "tip", "-pd_spacing": "1e-5",
+            "-bc_names": "top,bottom", "-bc_top_on": "top", "-bc_top_displacement": "0,4e-7", "-bc_bottom_on": "bottom",
+            "-bc_bottom_displacement": "0,-4e-7", "-load_steps": "10", "-output_history": "", "-quiet": ""})  # fmt: skip
+        history = run.history()
+        self.assertEqual(max(row["particles"] for row in history), 960)  # of 2 x 2 an element
+        self.assertGreater(history[-1]["elements"], 0)
+        self.assertLess(abs(history[-1]["reaction_top_y"]), 1e-6)  # in two
+
     def test_a_spacing_by_which_no_patch_can_grow_is_told(self):
         odd = PLATE | {"-pd_patches": "-0.009,-0.005,0.011,0.007", "-pd_spacing": "8e-4", "-ts_max_steps": "5"}
         run = self.launch(odd)

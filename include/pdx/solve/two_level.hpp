@@ -25,4 +25,10 @@ private:
   MatHandle coarse_;
   bool wide_ = false;
 };
+
+/// Multigrid on the whole tangent (BoomerAMG as `-pc_type hypre`): from now on its sweeps take what other ranks have by
+/// sums of its size [Baker, Falgout, Kolev, Yang 2011, "Multigrid smoothers for ultraparallel computing", l1]. Plain
+/// ones need not be definite where rows of several ranks hang together strongly, as the copies of a node do. False on
+/// one rank, for another preconditioner, or where the user chose the sweeps.
+bool sweep_safely(PC pc);
 } // namespace pdx::solve
