@@ -21,6 +21,24 @@ void prefer(const char* name, const char* value)
   PDX_CALL(PetscOptionsHasName(nullptr, nullptr, name, &given)); // counts as used: with another -pc_type nobody asks
 }
 
+/// Cholesky, on more ranks by each for itself.
+void factor(PC pc, MPI_Comm comm)
+{
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  PC alone = pc;
+  if (ranks > 1) {
+    KSP inner = nullptr;
+    PDX_CALL(PCSetType(pc, PCREDUNDANT));
+    PDX_CALL(PCRedundantGetKSP(pc, &inner));
+    PDX_CALL(KSPGetPC(inner, &alone));
+  }
+  PDX_CALL(PCSetType(alone, PCCHOLESKY));
+  PetscBool known = PETSC_FALSE, supernodal = PETSC_FALSE;
+  PDX_CALL(MatSolverTypeGet(MATSOLVERCHOLMOD, MATSEQAIJ, MAT_FACTOR_CHOLESKY, &known, &supernodal, nullptr));
+  if (supernodal) PDX_CALL(PCFactorSetMatSolverType(alone, MATSOLVERCHOLMOD));
+}
+
 bool all_sweeps_chosen()
 {
   PetscBool given = PETSC_FALSE;
@@ -52,6 +70,7 @@ void TwoLevel::configure(PC pc)
   PDX_CALL(PCMGGetCoarseSolve(pc, &coarse));
   PDX_CALL(KSPSetType(coarse, KSPPREONLY));
   PDX_CALL(KSPGetPC(coarse, &inner));
+  if (system_.coarse->wants_factor()) return factor(inner, system_.rows.comm);
   PDX_CALL(PCSetType(inner, PCHYPRE));
   PDX_CALL(PCHYPRESetType(inner, "boomeramg"));
   if (all_sweeps_chosen()) return;
