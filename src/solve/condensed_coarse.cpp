@@ -122,9 +122,10 @@ MatHandle CondensedCoarse::assemble(std::span<const double> u)
     PDX_CALL(MatGetRow(sparse.get(), begin + row, &count, &columns, nullptr));
     const auto inside = static_cast<PetscInt>(
         std::count_if(columns, columns + count, [&](PetscInt c) { return c >= begin && c < begin + local; }));
+    const PetscInt outside = count - inside; // PETSc takes the count back
     PDX_CALL(MatRestoreRow(sparse.get(), begin + row, &count, &columns, nullptr));
     diagonal.push_back(std::min(local, inside + (row < kept ? kept : 0)));
-    off_diagonal.push_back(std::min(dim * rows.total - local, count - inside + (row < kept ? others : 0)));
+    off_diagonal.push_back(std::min(dim * rows.total - local, outside + (row < kept ? others : 0)));
   }
   PDX_CALL(MatCreateAIJ(rows.comm, local, local, PETSC_DETERMINE, PETSC_DETERMINE, 0, diagonal.data(), 0,
                         off_diagonal.data(), matrix.out()));
