@@ -30,7 +30,7 @@ void CondensedCoarse::lay_out()
   for (Index row = 0; row < kept; ++row) owned_.push_back(kept_.whole_row(row));
   for (Index row = nodes; row < all.rows().owned(); ++row) owned_.push_back(row);
   const field::Rows rows =
-      field::Rows::number(kept_.rows().comm, kept_.rows().dim, static_cast<Index>(owned_.size()), 0, 0);
+      field::Rows::number(kept_.rows().comm, kept_.rows().dim, kept, 0, static_cast<Index>(owned_.size()) - kept);
   std::vector<double> numbers(static_cast<std::size_t>(all.rows().owned()), -1.0), everywhere;
   for (std::size_t k = 0; k < owned_.size(); ++k)
     numbers[static_cast<std::size_t>(owned_[k])] = static_cast<double>(rows.first) + static_cast<double>(k);
