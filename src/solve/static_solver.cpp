@@ -18,7 +18,6 @@ StaticSolver::StaticSolver(const field::System& system, const StaticOptions& opt
   const double begin = MPI_Wtime();
   condense(options);
   told_.seconds = condensation_ ? MPI_Wtime() - begin : 0.0;
-  before.seconds += told_.seconds;
   driver_ = std::make_unique<StaticDriver>(condensed_ ? condensed_->system() : system_, options, std::move(before));
 }
 
