@@ -196,14 +196,10 @@ void Recorder::write_results(Vec u, const Prior& prior, const post::Displacement
 
 void Recorder::tell_condensed(const solve::CondensationReport& report)
 {
-  nlohmann::ordered_json condensed{{"used", report.why_not.empty()}};
-  if (!report.why_not.empty()) condensed["why_not"] = report.why_not;
-  if (report.kept > 0) {
-    condensed["unknowns_kept"] = report.kept;
-    condensed["unknowns_eliminated"] = report.eliminated;
-  }
-  if (report.why_not.empty()) condensed["seconds"] = report.seconds;
-  files_.summary.results["static_condense"] = condensed;
+  files_.summary.results["static_condense"] =
+      report.why_not.empty()
+          ? fmt::format("on: {} unknowns of elements kept, {} eliminated", report.kept, report.eliminated)
+          : fmt::format("off: {}", report.why_not);
 }
 
 void Recorder::count(const solve::StaticReport& report)
