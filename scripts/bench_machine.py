@@ -45,6 +45,7 @@ class Bench:
             if ranks == 1 and not wall:  # processor time: what other processes took of the core is not the solver's
                 busy = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
                 share = min(1.0, busy / elapsed)
+                summary["busy_share"] = share
                 summary["wall_seconds"] = {name: share * value for name, value in summary["wall_seconds"].items()}
             return summary
 

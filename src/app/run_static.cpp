@@ -11,7 +11,7 @@
 #include "pdx/record/recorder.hpp"
 #include "pdx/scene/particle_warnings.hpp"
 #include "pdx/scene/static_solving.hpp"
-#include "pdx/solve/static_driver.hpp"
+#include "pdx/solve/static_solver.hpp"
 
 #include <fmt/format.h>
 #include <utility>
@@ -140,7 +140,8 @@ private:
         change_ = mover_.look(scene_.view(), scene_.plan(), d().fracture->broken(), {});
         return !change_.empty();
       };
-    driver_ = std::make_unique<solve::StaticDriver>(d().system, steps, std::move(before));
+    driver_ = std::make_unique<solve::StaticSolver>(d().system, steps, std::move(before));
+    recorder_.tell_condensed(driver_->condensation());
   }
 
   /// Solves until the loads end or the layout is to change.
@@ -235,7 +236,7 @@ private:
   change::StaticCheckpoints checkpoints_;
   adapt::LayoutChange change_;                  // to come
   std::optional<solve::OpenStep> open_;         // a load that it comes within
-  std::unique_ptr<solve::StaticDriver> driver_; // on scene_
+  std::unique_ptr<solve::StaticSolver> driver_; // on scene_
   double load_ = 0.0;                           // accepted last
 };
 } // namespace

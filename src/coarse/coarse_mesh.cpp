@@ -89,6 +89,7 @@ void CoarseMesh::sort_cells()
   special_.clear();
   for (const Index c : cut_)
     for (const xfem::CutElement& cut : fine_.sets->all_of(c)) add_cut(cut);
+  cut_elements_ = special_.size();
   std::vector<std::pair<std::array<Corner, 4>, double>> groups; // of particles that lean on the same rows
   for (std::size_t number = 0; number < cells_.size(); ++number) {
     const auto& [patch, cell, assembled] = cells_[number];
@@ -244,18 +245,19 @@ void CoarseMesh::add_springs(field::BlockAdder& adder) const
   for (const Index row : weak_) adder.add(std::span(&row, 1), std::span(&row, 1), std::array{tiny, 0.0, 0.0, tiny});
 }
 
-MatHandle CoarseMesh::assemble(std::span<const double> u)
+MatHandle CoarseMesh::assembled(std::span<const double> u, bool elements) const
 {
   static Event event("solve_coarse_assembly");
   Timed timed(event);
   field::Couplings couplings(*halo_);
-  fem::count_couplings(body_.mesh, elements_, vertex_rows_, couplings);
+  if (elements) fem::count_couplings(body_.mesh, elements_, vertex_rows_, couplings);
+  const auto specials = std::span(special_).subspan(elements ? 0 : cut_elements_);
   const auto couple_all = [&](std::span<const Index> rows) {
     for (const Index row : rows)
       for (const Index column : rows) couplings.add(row, column);
   };
   for (const auto& [stiffness, rows] : intact_) couple_all(rows);
-  for (const Special& special : special_) couple_all(special.rows);
+  for (const Special& special : specials) couple_all(special.rows);
   for (PetscInt& blocks : couplings.diagonal) blocks = std::min(blocks, rows_.owned());
   for (PetscInt& blocks : couplings.off_diagonal) blocks = std::min(blocks, rows_.total - rows_.owned());
   MatHandle matrix;
@@ -268,10 +270,11 @@ MatHandle CoarseMesh::assemble(std::span<const double> u)
   PDX_CALL(MatSetOption(matrix.get(), MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
   const bool small = body_.kinematics == fem::Kinematics::small;
   field::BlockAdder adder(matrix.get(), *halo_, held_);
-  fem::assemble_stiffness(body_, elements_, vertex_rows_, small ? std::vector<double>{} : node_field_.displacement(u),
-                          adder);
+  if (elements)
+    fem::assemble_stiffness(body_, elements_, vertex_rows_, small ? std::vector<double>{} : node_field_.displacement(u),
+                            adder);
   for (const auto& [stiffness, rows] : intact_) adder.add(rows, rows, std::span(grid_stiffness_[stiffness].data(), 64));
-  for (const Special& special : special_) adder.add(special.rows, special.rows, special.stiffness);
+  for (const Special& special : specials) adder.add(special.rows, special.rows, special.stiffness);
   add_springs(adder);
   adder.finish(kHeldStiffness * system_.scale);
   PDX_CALL(MatConvert(matrix.get(), MATAIJ, MAT_INPLACE_MATRIX, matrix.address()));

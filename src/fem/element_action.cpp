@@ -1,12 +1,8 @@
 #include "pdx/fem/element_action.hpp"
 
-#include <cstddef>
+#include "pdx/base/widest.hpp"
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define PDX_WIDEST __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define PDX_WIDEST
-#endif
+#include <cstddef>
 
 namespace pdx::fem {
 namespace {

@@ -2,7 +2,12 @@
 
 namespace pdx::field {
 BlockAdder::BlockAdder(Mat matrix, const RowHalo& halo, std::span<const std::uint8_t> held)
-    : matrix_(matrix), halo_(halo), held_(held), dim_(halo.rows().dim)
+    : BlockAdder(matrix, halo, held, {})
+{}
+
+BlockAdder::BlockAdder(Mat matrix, const RowHalo& halo, std::span<const std::uint8_t> held,
+                       std::span<const PetscInt> renumbered)
+    : matrix_(matrix), halo_(halo), held_(held), renumbered_(renumbered), dim_(halo.rows().dim)
 {}
 
 void BlockAdder::add(std::span<const Index> rows, std::span<const Index> columns, std::span<const double> values)
@@ -14,13 +19,13 @@ void BlockAdder::add(std::span<const Index> rows, std::span<const Index> columns
   bool mine = false, masked = false;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const bool own = rows[k] < halo_.rows().owned();
-    rows_[k] = own ? halo_.global(rows[k]) : -1;
+    rows_[k] = own ? place(rows[k]) : -1;
     mine |= own;
     for (std::size_t a = 0; a < d; ++a) masked |= held_[static_cast<std::size_t>(rows[k]) * d + a] != 0;
   }
   if (!mine) return;
   for (std::size_t k = 0; k < columns.size(); ++k) {
-    columns_[k] = halo_.global(columns[k]);
+    columns_[k] = place(columns[k]);
     for (std::size_t a = 0; a < d; ++a) masked |= held_[static_cast<std::size_t>(columns[k]) * d + a] != 0;
   }
   const double* panel = values.data();
@@ -48,7 +53,7 @@ void BlockAdder::finish(double scale)
       any |= held;
     }
     if (!any) continue;
-    const PetscInt global = halo_.global(row);
+    const PetscInt global = place(row);
     PDX_CALL(MatSetValuesBlocked(matrix_, 1, &global, 1, &global, block.data(), ADD_VALUES));
   }
   PDX_CALL(MatAssemblyBegin(matrix_, MAT_FINAL_ASSEMBLY));

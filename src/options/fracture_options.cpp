@@ -119,6 +119,9 @@ LoadOptions LoadOptions::read()
   l.passes = o.integer("-load_passes", l.passes, "solves at one load above which the step is halved", {1.0, 1e9});
   l.broken_share = o.real("-load_broken_share", l.broken_share, "-",
                           "part of all bonds broken in a step above which it is halved", {0.0, 1.0, true});
+  static constexpr const char* condense[] = {"auto", "on", "off"};
+  l.condense = static_cast<Condense>(
+      o.choice("-static_condense", 0, condense, "eliminate elements that do not change once per layout"));
   return l;
 }
 

@@ -249,8 +249,8 @@ void judge_time(const SceneOptions& s)
   if (s.layout.renew_interval > 0 && s.time.analysis == Analysis::implicit_dynamics)
     throw UserError("-layout_renew_interval: implicit steps keep their layout; give -analysis explicit or static");
   if (s.time.dynamic()) {
-    for (const char* name :
-         {"-load_steps", "-load_halvings", "-load_passes", "-load_broken_share", "-pd_release", "-pd_release_share"})
+    for (const char* name : {"-load_steps", "-load_halvings", "-load_passes", "-load_broken_share", "-static_condense",
+                             "-pd_release", "-pd_release_share"})
       if (Options("load").given(name))
         throw UserError(fmt::format("{} acts in load steps: give -analysis static, or drop it", name));
     if (s.elastic.density <= 0.0)

@@ -33,6 +33,7 @@ constexpr std::string_view kMayChange[] = {"-output_",
                                            "-load_",       // when it ends; the length of steps is compared apart
                                            "-bc_",         // loads; what is held is compared as a state
                                            "-pd_operator", // how it is solved
+                                           "-static_condense",
                                            "-crack_",
                                            "-pd_cloud",
                                            "-mesh_file", // compared by what they say

@@ -60,7 +60,7 @@ void Recorder::open_history()
 }
 
 /// Energies, work and reactions at an accepted load.
-void Recorder::take_stock(const solve::Step& step, Vec u, const solve::StaticDriver& driver)
+void Recorder::take_stock(const solve::Step& step, Vec u, const solve::StaticSolver& driver)
 {
   std::vector<double> local, force = driver.unbalanced_force(u, step.load); // reactions where held
   d_->system.halo->gather(u, local);
@@ -123,7 +123,7 @@ void Recorder::working(const solve::StaticReport& report, double load)
                        fmt::format("load {:.6g} being worked at, {}", load, said_so_far(report)));
 }
 
-void Recorder::accept(const solve::Step& step, Vec u, const solve::StaticDriver& driver, const Prior& prior)
+void Recorder::accept(const solve::Step& step, Vec u, const solve::StaticSolver& driver, const Prior& prior)
 {
   const double begin = MPI_Wtime();
   const bool last = step.load == 1.0;
@@ -192,6 +192,14 @@ void Recorder::write_results(Vec u, const Prior& prior, const post::Displacement
   add_crack_results({*files_.scene.mesh, options_, *d_->patch_plan, *d_, local}, cracks_->now(), prior.energy_release,
                     cracks);
   for (const auto& [key, value] : cracks.items()) results[key] = value;
+}
+
+void Recorder::tell_condensed(const solve::CondensationReport& report)
+{
+  files_.summary.results["static_condense"] =
+      report.why_not.empty()
+          ? fmt::format("on: {} unknowns of elements kept, {} eliminated", report.kept, report.eliminated)
+          : fmt::format("off: {}", report.why_not);
 }
 
 void Recorder::count(const solve::StaticReport& report)

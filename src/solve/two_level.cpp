@@ -1,5 +1,7 @@
 #include "pdx/solve/two_level.hpp"
 
+#include "pdx/base/events.hpp"
+#include "pdx/solve/bordered_factor.hpp"
 #include "pdx/solve/rigid_modes.hpp"
 
 namespace pdx::solve {
@@ -19,6 +21,49 @@ void prefer(const char* name, const char* value)
   if (given) return;
   PDX_CALL(PetscOptionsSetValue(nullptr, name, value));
   PDX_CALL(PetscOptionsHasName(nullptr, nullptr, name, &given)); // counts as used: with another -pc_type nobody asks
+}
+
+/// A coarse level that is factored, in the hands of its PC.
+using Factor = std::unique_ptr<BorderedFactor>;
+
+Factor* factor_of(PC pc)
+{
+  void* context = nullptr;
+  PDX_CALL(PCShellGetContext(pc, &context));
+  return static_cast<Factor*>(context);
+}
+
+PetscErrorCode apply_factor(PC pc, Vec x, Vec y)
+{
+  return guard([&] {
+    static Event event("solve_coarse_factor");
+    const Timed timed(event);
+    (*factor_of(pc))->solve(x, y);
+  });
+}
+
+PetscErrorCode destroy_factor(PC pc)
+{
+  return guard([&] { delete factor_of(pc); });
+}
+
+void make_factored(PC pc)
+{
+  PDX_CALL(PCSetType(pc, PCSHELL));
+  PDX_CALL(PCShellSetName(pc, "Cholesky, dense at the border"));
+  PDX_CALL(PCShellSetContext(pc, new Factor));
+  PDX_CALL(PCShellSetApply(pc, apply_factor));
+  PDX_CALL(PCShellSetDestroy(pc, destroy_factor));
+}
+
+/// Unless the user chose another PC for the coarse level.
+void factor_again(KSP coarse, Mat matrix, const field::Rows& rows)
+{
+  PC pc = nullptr;
+  PetscBool ours = PETSC_FALSE;
+  PDX_CALL(KSPGetPC(coarse, &pc));
+  PDX_CALL(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCSHELL, &ours));
+  if (ours) *factor_of(pc) = std::make_unique<BorderedFactor>(matrix, rows.dim * rows.nodes);
 }
 
 bool all_sweeps_chosen()
@@ -52,6 +97,7 @@ void TwoLevel::configure(PC pc)
   PDX_CALL(PCMGGetCoarseSolve(pc, &coarse));
   PDX_CALL(KSPSetType(coarse, KSPPREONLY));
   PDX_CALL(KSPGetPC(coarse, &inner));
+  if (system_.coarse->wants_factor()) return make_factored(inner);
   PDX_CALL(PCSetType(inner, PCHYPRE));
   PDX_CALL(PCHYPRESetType(inner, "boomeramg"));
   if (all_sweeps_chosen()) return;
@@ -78,6 +124,7 @@ void TwoLevel::update(PC pc, std::span<const double> u)
   KSP coarse = nullptr;
   PDX_CALL(PCMGGetCoarseSolve(pc, &coarse));
   PDX_CALL(KSPSetOperators(coarse, coarse_.get(), coarse_.get()));
+  if (system_.coarse->wants_factor()) factor_again(coarse, coarse_.get(), system_.coarse->halo().rows());
 }
 
 bool TwoLevel::widen(PC pc)

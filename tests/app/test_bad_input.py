@@ -407,6 +407,8 @@ CASES = [
     patch("release of more than all", r"-pd_release_share\b.*1\.5.*1", pd_release_share="1.5"),
     plate("halvings below zero", r"-load_halvings\b.*-1.*0", load_halvings="-1"),
     plate("too many halvings", r"-load_halvings\b.*31.*30", load_halvings="31"),
+    plate("unknown condensation", r"-static_condense\b.*auto.*on.*off", static_condense="always"),
+    patch("condensation of finite strain", r"-static_condense on\b.*small strain.*auto", static_condense="on", kinematics="finite"),
     plate("no pass", r"-load_passes\b.*0.*at least 1", load_passes="0"),
     plate("broken share zero", r"-load_broken_share\b.*0", load_broken_share="0"),
     plate("broken share above all", r"-load_broken_share\b.*2", load_broken_share="2"),

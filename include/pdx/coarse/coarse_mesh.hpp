@@ -31,7 +31,9 @@ public:
 
   const field::RowHalo& halo() const override { return *halo_; }
   const field::Interpolation& interpolation() const override { return interpolation_; }
-  MatHandle assemble(std::span<const double> u) override;
+  MatHandle assemble(std::span<const double> u) override { return assembled(u, true); }
+  Index node_rows() const override { return system_.rows.first_particle(); }
+  MatHandle assemble_rest(std::span<const double> u) override { return assembled(u, false); }
   std::vector<double> coordinates() const override;
   bool rebuild() override;
 
@@ -81,6 +83,7 @@ private:
   PetscInt coarse_of(PetscInt fine) const;
   void hold();
   void add_springs(field::BlockAdder& adder) const;
+  MatHandle assembled(std::span<const double> u, bool elements) const;
 
   fem::ElasticBody body_;
   const couple::NodeField& node_field_;
@@ -105,7 +108,8 @@ private:
   std::vector<Vector<2>> extra_points_;
   std::vector<Index> weak_;                                          // owned rows of split nodes
   std::vector<std::pair<std::size_t, std::array<Index, 4>>> intact_; // stiffness and rows of cells as they were
-  std::vector<Special> special_;
+  std::vector<Special> special_;                                     // cut elements first
+  std::size_t cut_elements_ = 0;                                     // of special_
   field::Interpolation interpolation_;
   std::vector<std::uint8_t> held_; // per component of every local coarse row
   std::vector<double> leaning_;    // per component of owned coarse rows: weight of prescribed particles

@@ -25,6 +25,7 @@ public:
   void add_jacobian(field::BlockAdder& adder, bool whole) const override;
   void add_tangent_action(std::span<const double> x, std::span<double> y) const override;
   bool constant_jacobian() const override { return body_.kinematics == Kinematics::small; }
+  bool fixed() const override { return constant_jacobian(); }
   void add_mass(std::span<double> mass) const override;
   /// Each element by the largest eigenvalue of its stiffness over its lumped mass: elements alone in space would be
   /// that stiff. In a uniform plate the step comes out 13 to 15 % short.

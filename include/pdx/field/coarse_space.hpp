@@ -19,6 +19,12 @@ public:
   /// Coarse operator (MATAIJ) at fine displacement u, prescribed components eliminated. Collective.
   /// @param u fine local blocks [owned | halo]
   virtual MatHandle assemble(std::span<const double> u) = 0;
+  /// The first owned coarse rows, which stand for the fine nodes and enriched sets, in their order.
+  virtual Index node_rows() const { return 0; }
+  /// The same operator without what nodes and sets have of fixed Terms. Collective.
+  virtual MatHandle assemble_rest(std::span<const double> u) { return assemble(u); }
+  /// True if the operator is small and dense enough to be factored.
+  virtual bool wants_factor() const { return false; }
   /// Looks at the scene again where it may have changed (bonds that broke). True if rows, interpolation or halo are
   /// new: operators and interpolations made before are then void. Collective.
   virtual bool rebuild() { return false; }

@@ -50,6 +50,8 @@ public:
   virtual bool constant_jacobian() const { return false; }
   /// Of a Term with a constant tangent: another number after an AfterSolve changed it, or changed it back.
   virtual std::int64_t revision() const { return 0; }
+  /// True if the force is a matrix times u and that matrix stays the same whatever is solved and whatever breaks.
+  virtual bool fixed() const { return false; }
   /// True if the tangent is symmetric.
   virtual bool symmetric() const { return true; }
 

@@ -30,12 +30,16 @@ struct FractureOptions {
   static FractureOptions read(std::optional<double> usual);
 };
 
+/// Are elements that do not change condensed onto those that particles touch?
+enum class Condense { automatic, on, off };
+
 /// The path of a quasi-static load.
 struct LoadOptions {
   int steps = 1;
   int halvings = 6;
   int passes = 1000;
   double broken_share = 0.05; ///< of all bonds in one step, above which it is halved
+  Condense condense = Condense::automatic;
 
   static LoadOptions read();
 };

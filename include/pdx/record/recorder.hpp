@@ -4,7 +4,7 @@
 #include "pdx/record/prior.hpp"
 #include "pdx/record/static_cracks.hpp"
 #include "pdx/scene/named_state.hpp"
-#include "pdx/solve/static_driver.hpp"
+#include "pdx/solve/static_solver.hpp"
 
 namespace pdx::record {
 /// Running values that a restarted run needs.
@@ -25,11 +25,12 @@ public:
   void take_scene(mesh::Mesh& mesh, const scene::Discretisation& d, double load, std::vector<double> u,
                   std::span<const double> internal_force);
   void book_change(double energy) { converted_ += energy; } ///< that a change of layout brought, of all ranks [J]
-  void accept(const solve::Step& step, Vec u, const solve::StaticDriver& driver, const Prior& prior);
+  void accept(const solve::Step& step, Vec u, const solve::StaticSolver& driver, const Prior& prior);
   /// A load is being worked at that bonds break at, or that was given up and will be approached by half: says so, now
   /// and then. @param load aimed at [-]
   void working(const solve::StaticReport& report, double load);
-  void count(const solve::StaticReport& report); ///< what it cost so far, for the summary
+  void count(const solve::StaticReport& report);                ///< what it cost so far, for the summary
+  void tell_condensed(const solve::CondensationReport& report); ///< likewise, of the layout at hand
   void finish(const solve::StaticReport& report);
   void stopped_at(Vec u); ///< the solver gave up: results and fields of the last accepted step
 
@@ -48,7 +49,7 @@ private:
   };
   std::string said_so_far(const solve::StaticReport& report) const;
   void open_history();
-  void take_stock(const solve::Step& step, Vec u, const solve::StaticDriver& driver);
+  void take_stock(const solve::Step& step, Vec u, const solve::StaticSolver& driver);
   void write_history(const solve::Step& step, Vec u);
   void write_fields(const solve::Step& step, Vec u, const post::DisplacementError* error);
   void write_results(Vec u, const Prior& prior, const post::DisplacementError* error);

@@ -12,14 +12,18 @@
 namespace pdx::solve {
 struct Step;
 
+/// Are rows that nothing but fixed Terms touch eliminated before the solves?
+enum class Condense { automatic, on, off };
+
 /// How a static scene is solved; everything else is PETSc's (-snes_, -ksp_, -pc_, -mg_).
 struct StaticOptions {
   int load_steps = 1;
-  bool assembled = false;       ///< one MATAIJ instead of the matrix-free two-level solver
-  int max_passes = 1000;        ///< solves at one load; more: the increment is halved
-  std::int64_t max_changes = 0; ///< of an increment; more: it is halved; 0: no limit
-  int max_halvings = 6;         ///< of an original increment, at most 30
-  double rebuild_factor = 1.3;  ///< growth of iterations at which the preconditioner is built anew, see KeepRule
+  bool assembled = false;                  ///< one MATAIJ instead of the matrix-free two-level solver
+  Condense condense = Condense::automatic; ///< see StaticSolver
+  int max_passes = 1000;                   ///< solves at one load; more: the increment is halved
+  std::int64_t max_changes = 0;            ///< of an increment; more: it is halved; 0: no limit
+  int max_halvings = 6;                    ///< of an original increment, at most 30
+  double rebuild_factor = 1.3; ///< growth of iterations at which the preconditioner is built anew, see KeepRule
   /// Asked after AfterSolves changed something, before the next solve: throws if the scene can no longer be solved.
   std::function<void()> judge = {};
   /// Told after each solve of a load that is not quiet, and when a load is given up to be tried with half the

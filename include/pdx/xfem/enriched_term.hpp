@@ -23,6 +23,7 @@ public:
   void couplings(field::Couplings& couplings, bool whole) const override;
   void add_jacobian(field::BlockAdder& adder, bool whole) const override;
   bool constant_jacobian() const override { return kinematics_ == fem::Kinematics::small; }
+  bool fixed() const override { return constant_jacobian(); }
   /// On either side of the crack an element is a plain one, with the corner values u or w (`field::Tie`). A quarter of
   /// the side's mass moves with each of the four: total mass, and momentum and kinetic energy of either half alone,
   /// are exact. Unlike masses of (u, a) [XPD2 Eqs. 4-7] it leaves the stable step above a bound for every crack.
