@@ -372,6 +372,9 @@ SceneOptions read_all(bool describe)
   s.points = PointOptions::read(s.elastic, s.solid, describe);
   s.scheme = static_cast<couple::Scheme>(
       Options("couple").choice("-couple_scheme", 0, schemes, "how bonds that leave a patch act on elements"));
+  s.face_mass = Options("couple").boolean("-couple_face_mass", false, "in time: particles hand mass to their border");
+  if (s.points.coupling == Coupling::handshake && s.scheme == couple::Scheme::energy)
+    s.scheme = couple::Scheme::handshake;
   s.cracks = CrackOptions::read();
   s.fracture = FractureOptions::read();
   s.conditions = read_conditions(s.solid, describe);
