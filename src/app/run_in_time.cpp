@@ -147,6 +147,7 @@ private:
     if (mover_.follows() && step % when.adapt_interval == 0)
       change_ =
           mover_.look(scene_->view(), *files_.scene.plan, files_.scene.model->breaker->mine().bonds, driver_->local());
+    if (change_.empty() && mover_.may_hand_back(step)) change_ = mover_.quiet(scene_->view(), driver_->local());
     if (mover_.may_contract()) files_.told_if_refused([&] { add_what_lies_behind(); });
     uneven_ = balance_.due(*driver_) && change_.empty(); // one after the other: what leaves is told by cells
     const bool renewed = when.renew_interval > 0 && step % when.renew_interval == 0;
@@ -181,6 +182,13 @@ private:
     return adapt::leaving(scene_->view(), change_.uncover, fields);
   }
 
+  /// Angular momentum of what moves in the plane; patches move nowhere else.
+  double spin() const
+  {
+    const solve::MovingSystem& moving = driver_->moving();
+    return moving.system.rows.dim == 2 ? solve::angular_momentum(moving, driver_->local(), driver_->v()) : 0.0;
+  }
+
   /// Another scene, by `layout_`.
   void rebuild(bool same_mesh)
   {
@@ -209,6 +217,7 @@ private:
     const bool moves = !change_.empty();
     const std::size_t known = state.rows.size();
     const std::array<double, 3> momentum = moves ? driver_->moving().momentum(driver_->v()) : std::array<double, 3>{};
+    const double angular = moves ? spin() : 0.0;
     adapt::Leaving left;
     if (moves) {
       left = add_fresh_rows(state);
@@ -232,6 +241,8 @@ private:
       const std::span<double> fields[] = {moving.u, moving.v};
       if (!change_.uncover.empty()) adapt::fit_sets(scene_->view(), left, is_new, fields);
       solve::keep_momentum(driver_->moving(), is_new, momentum, moving.v);
+      if (driver_->moving().system.rows.dim == 2)
+        solve::keep_angular_momentum(driver_->moving(), is_new, angular, moving.u, moving.v);
       driver_->resume_changed(clock, moving);
       if (checkpoints_) checkpoints_->step_is(driver_->step_length());
       if (driver_->step_length() < clock.length) tell_shorter(clock.length);
