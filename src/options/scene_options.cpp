@@ -353,7 +353,7 @@ void judge(const SceneOptions& s)
 SceneOptions read_all(bool describe)
 {
   SceneOptions s;
-  Options o("scene");
+  Options o("scene"), bonds("couple");
   static constexpr const char* kinematics[] = {"small", "finite", "mixed"};
   static constexpr const char* schemes[] = {"energy", "ghost", "interface"};
   (void)o.text("-options_file", "", "file with an option a line: -name value, # begins a comment");
@@ -370,11 +370,10 @@ SceneOptions read_all(bool describe)
   s.pd = read_pd(s.elastic, s.solid, describe);
   if (!describe && s.pd.any()) take_required_poisson(s);
   s.points = PointOptions::read(s.elastic, s.solid, describe);
-  s.scheme = static_cast<couple::Scheme>(
-      Options("couple").choice("-couple_scheme", 0, schemes, "how bonds that leave a patch act on elements"));
-  s.face_mass = Options("couple").boolean("-couple_face_mass", false, "in time: particles hand mass to their border");
-  if (s.points.coupling == Coupling::handshake && s.scheme == couple::Scheme::energy)
-    s.scheme = couple::Scheme::handshake;
+  using couple::Scheme;
+  s.scheme = static_cast<Scheme>(bonds.choice("-couple_scheme", 0, schemes, "how bonds act beyond a patch"));
+  s.face_mass = bonds.boolean("-couple_face_mass", false, "in time: particles hand mass to their border");
+  if (s.points.coupling == Coupling::handshake && s.scheme == Scheme::energy) s.scheme = Scheme::handshake;
   s.cracks = CrackOptions::read();
   s.fracture = FractureOptions::read();
   s.conditions = read_conditions(s.solid, describe);
