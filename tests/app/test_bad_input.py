@@ -523,6 +523,8 @@ CASES = [
     mixed("another coupling", r"-couple_scheme energy", couple_scheme="ghost"),
     mixed("a handshake on a grid made anew", r"-mpm_formulation total", mpm_formulation="updated", mpm_coupling="handshake"),
     mixed("mass for a face that a handshake has not", r"-couple_face_mass\b.*energy", mpm_coupling="handshake", couple_face_mass="1"),
+    mixed("a handshake in equilibrium", r"-mpm_coupling handshake\b.*-analysis explicit", mpm_coupling="handshake",
+          analysis="implicit", ts_dt="1e-6", contact="none"),
     points("a handshake of points alone", r"-mpm_coupling\b.*points only", mpm_coupling="handshake"),
     patch("mass for a face at rest", r"-couple_face_mass\b.*-analysis explicit", couple_face_mass="1"),
     mixed("handing back what nothing made", r"-adapt_hand_back\b.*-adapt_trigger", adapt="expand", adapt_hand_back="100"),
