@@ -5,6 +5,13 @@
 #include <algorithm>
 
 namespace pdx::adapt {
+std::vector<double> energy_density(const SceneView& scene, std::span<const double> local)
+{
+  std::vector<double> density = scene.bonds.energy_density(local);
+  if (scene.carried) scene.carried->add_energy_density(local, density);
+  return density;
+}
+
 namespace {
 constexpr Eigen::Index kBilinear = 4; // of a bilinear field
 constexpr double kTooLittle = 1e-8;   // smallest over largest eigenvalue of what says nothing

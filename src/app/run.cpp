@@ -1,5 +1,4 @@
 #include "pdx/app/run.hpp"
-#include "pdx/scene/grid_body.hpp"
 
 #include "pdx/app/run_in_time.hpp"
 #include "pdx/app/run_static.hpp"
@@ -11,6 +10,7 @@
 #include "pdx/scene/mixed_points.hpp"
 #include "pdx/scene/scene_warnings.hpp"
 #include "pdx/scene/settle.hpp"
+#include "pdx/scene/static_solving.hpp"
 
 #include <new>
 
@@ -42,8 +42,8 @@ void run(MPI_Comm comm, double begin)
 {
   options::SceneOptions options = options::SceneOptions::read();
   refuse_reference_options(options);
-  if (!options.time.dynamic()) (void)wants_assembled(options); // refuses before anything is built
-  if (options.pd.cloud.empty() && !options.points.any()) scene::settle(comm, options);
+  if (!options.time.dynamic()) (void)scene::wants_assembled(options); // refuses before anything is built
+  scene::settle(comm, options);
   if (options.output.dry_run) { // what rests now will move
     options.pd.skip_tolerance = -1.0;
     options.points.skips_rest = false;
@@ -53,22 +53,10 @@ void run(MPI_Comm comm, double begin)
     for (const std::string& warning : warnings) files.warn(warning);
   for (const std::string& note : options.notes) files.progress.line(note);
   try {
-    if (options.mixed() && !options.time.dynamic())
-      run_static(files, scene::settle_mixed(comm, options));
-    else if (options.mixed())
-      run_in_time(files, scene::mixed_scene(comm, options));
-    else if (options.points.any())
-      run_in_time(files, options.points.formulation == options::Formulation::updated
-                             ? scene::grid_scene(comm, options)
-                             : scene::point_scene(comm, options));
-    else if (!options.pd.cloud.empty())
-      run_in_time(files, scene::cloud_scene(comm, options));
-    else if (options.solid)
-      run_in_time(files, scene::solid_scene(comm, options));
-    else if (options.time.dynamic())
-      run_in_time(files, scene::plane_scene(comm, options));
+    if (options.time.dynamic())
+      run_in_time(files, scene::scene_in_time(comm, options));
     else
-      run_static(files);
+      run_static(files, options.mixed() ? scene::settle_mixed(comm, options) : nullptr);
     if (const std::string unused = unused_options(); !unused.empty())
       files.warn("options of PETSc that nothing used: " + unused);
   } catch (const UserError&) {

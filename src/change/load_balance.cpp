@@ -1,10 +1,8 @@
 #include "pdx/change/load_balance.hpp"
 
 #include "pdx/base/exchange.hpp"
-#include "pdx/scene/point_body.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -18,48 +16,12 @@ struct CellTime {
   int cost;   ///< [ns]
 };
 
-/// Does the work of a Term lie in elements? Else particles have it, carried bonds and clouds included.
-bool is_of_elements(const scene::Standing& scene, const field::Term& term)
+/// Which part of a scene has the work of a Term; of contact between bodies it is the last.
+std::size_t worker(const scene::Model& model, const field::Term& term)
 {
-  return scene.d && (&term == scene.d->elements || &term == scene.d->cut_elements);
-}
-
-/// Or in material points?
-bool is_of_points(const scene::Standing& scene, const field::Term& term)
-{
-  if (scene.d) return &term == scene.d->points;
-  return scene.points != nullptr; // contact between bodies besides
-}
-
-/// How many of a plan each owned cell of the mesh holds.
-template <int Dim>
-void count_points(const scene::PointPlan<Dim>& plan, const mesh::Mesh& mesh, std::vector<double>& counts)
-{
-  for (Index c = 0; c < mesh.owned_cells(); ++c) {
-    const Index number = mesh.natural_cell(c) - plan.first_cell;
-    if (number < 0 || mesh.use(c) == mesh::Use::covered) continue;
-    const auto& column = plan.cells[static_cast<std::size_t>(number)];
-    const mpm::Body<Dim>& of = plan.bodies[static_cast<std::size_t>(column.body)];
-    for (const Index layer : plan.cell_layers(column)) {
-      Site<Dim> at{};
-      at[0] = column.at[0];
-      at[1] = column.at[1];
-      if constexpr (Dim == 3) at[2] = layer;
-      counts[static_cast<std::size_t>(c)] += std::popcount(of.points_in(at));
-    }
-  }
-}
-
-std::vector<double> points_in_cells(const scene::Standing& scene)
-{
-  std::vector<double> counts(static_cast<std::size_t>(scene.mesh->owned_cells()), 0.0);
-  if (scene.d && scene.d->points)
-    count_points(*scene.d->point_plan, *scene.mesh, counts);
-  else if (const auto* plane = dynamic_cast<const scene::PointBody<2>*>(scene.points))
-    count_points(plane->plan, *scene.mesh, counts);
-  else if (const auto* space = dynamic_cast<const scene::PointBody<3>*>(scene.points))
-    count_points(space->plan, *scene.mesh, counts);
-  return counts;
+  std::size_t p = 0;
+  while (p + 1 < model.parts.size() && !model.parts[p]->works_in(term)) ++p;
+  return p;
 }
 } // namespace
 
@@ -96,27 +58,19 @@ mesh::MeasuredCosts LoadBalance::costs(const scene::Standing& scene, const solve
 {
   const mesh::Mesh& mesh = *scene.mesh;
   const field::System& system = driver.moving().system;
-  double elements = 0.0, points = 0.0, particles = 0.0; // this rank's time [ns a step]
-  for (std::size_t k = 0; k < now_.size(); ++k) {
-    const field::Term& term = *system.terms[k];
-    double& of = is_of_elements(scene, term) ? elements : is_of_points(scene, term) ? points : particles;
-    of += 1e9 * (now_[k] - before_[k]) / steps_;
-  }
+  const auto& parts = scene.model->parts;
+  std::vector<double> work(parts.size(), 0.0); // this rank's time [ns a step]
+  for (std::size_t k = 0; k < now_.size(); ++k)
+    work[worker(*scene.model, *system.terms[k])] += 1e9 * (now_[k] - before_[k]) / steps_;
 
   std::vector<double> cost(static_cast<std::size_t>(mesh.owned_cells()), 0.0);
-  const auto is_element = [&](Index c) {
-    return scene.d && mesh.use(c) != mesh::Use::covered && mesh.use(c) != mesh::Use::points;
-  };
-  double cells = 0.0;
-  for (Index c = 0; c < mesh.owned_cells(); ++c) cells += is_element(c);
-  for (Index c = 0; c < mesh.owned_cells(); ++c)
-    if (is_element(c)) cost[static_cast<std::size_t>(c)] = elements / cells;
-  const std::vector<double> of_points = points_in_cells(scene);
-  const double all_points = std::accumulate(of_points.begin(), of_points.end(), 0.0);
-  for (std::size_t c = 0; c < cost.size(); ++c)
-    if (of_points[c] > 0.0) cost[c] += points * of_points[c] / all_points;
-  for (const pd::Particle& p : scene.model->particles)
-    cost[static_cast<std::size_t>(p.cell)] += particles / static_cast<double>(scene.model->particles.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    std::vector<double> shares(cost.size(), 0.0);
+    parts[p]->add_shares(shares);
+    const double all = std::accumulate(shares.begin(), shares.end(), 0.0);
+    for (std::size_t c = 0; c < cost.size(); ++c)
+      if (shares[c] > 0.0) cost[c] += work[p] * shares[c] / all;
+  }
 
   Parcels<CellTime> out;
   int ranks = 1, rank = 0;

@@ -106,7 +106,8 @@ StaticCheckpoints::Start StaticCheckpoints::start(const scene::Standing& scene, 
   const scene::StateMove move(state, scene);
   from_->require(move.misfit().table, move.misfit().why);
   move.break_bonds();
-  if (scene.d->fracture) scene.d->fracture->resume({std::llround(head_.at("bonds_broken")), head_.at("energy_broken")});
+  if (scene.model->fracture)
+    scene.model->fracture->resume({std::llround(head_.at("bonds_broken")), head_.at("energy_broken")});
   files_.summary.relocations = std::llround(head_.at("relocations"));
   Start start{move.rows(state.moving.u, state.dim), report_of(head_), head_.at("load"), {head_, read_marks(*from_)}};
   from_.reset();
@@ -130,7 +131,7 @@ void StaticCheckpoints::write(const BetweenLoads& now)
   record::NamedNumbers& numbers = notes.numbers;
   numbers.merge(numbers_of(now.report));
   const solve::LoadPath::Place place = now.path.place();
-  const couple::Fracture* fracture = now.scene.d->fracture;
+  const couple::Fracture* fracture = now.scene.model->fracture;
   const pd::Broken broken = fracture ? fracture->all() : pd::Broken{};
   numbers.merge(record::NamedNumbers{{"load", now.load},
                                      {"increments", place.increments},

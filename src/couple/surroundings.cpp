@@ -86,6 +86,7 @@ struct Surroundings::Trace {
     host = {};
     const Edge* edge = edge_beside(s, host.sided);
     const double t = std::clamp((s - edge->begin) / (edge->end - edge->begin), 0.0, 1.0);
+    static_assert(Host::kRows >= 4); // two nodes and a set of each: there is room
     (void)add(host, *edge, 0, 1.0 - t);
     (void)add(host, *edge, 1, t);
   }

@@ -13,6 +13,7 @@ Host host_in_cell(const ElementView& scene, Index cell, const Vector<2>& x)
   const auto weights = mesh::bilinear_weights(scene.mesh.corners(cell), x);
   const bool is_cut = scene.sets && scene.sets->cut(cell);
   const auto [cut, side] = is_cut ? scene.sets->at(cell, x) : std::pair{nullptr, xfem::Side::plus};
+  static_assert(Host::kRows >= 8); // four nodes and a set of each: there is room
   Host host;
   host.across = cut && !cut->piece && side != xfem::side_of(scene.sets->cracks().side(cut->crack, x));
   for (std::size_t a = 0; a < 4; ++a) {

@@ -1,5 +1,6 @@
 #include "pdx/record/crack_results.hpp"
 
+#include "pdx/adapt/energy_trial.hpp"
 #include "pdx/law/fracture.hpp"
 #include "pdx/solve/static_driver.hpp"
 
@@ -204,7 +205,7 @@ void add_crack_results(const Solved& s, const CrackState& state, std::span<const
   if (!release.empty()) results["energy_release_rate"] = release.front();
 
   std::vector<double> density;
-  if (s.d.bonds && !s.options.post.j_contours.empty()) density = s.d.energy_density(s.u);
+  if (s.d.bonds && !s.options.post.j_contours.empty()) density = adapt::energy_density(s.d.view(s.mesh), s.u);
   const auto add = [&](const Centre& centre, const nlohmann::json& found) { // at the top level of the first of its kind
     for (const auto& [key, value] : found.items()) {
       if (centre.number) tips[*centre.number][key] = value;

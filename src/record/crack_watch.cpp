@@ -2,8 +2,6 @@
 
 #include "pdx/law/waves.hpp"
 #include "pdx/record/crack_state.hpp"
-#include "pdx/scene/layout.hpp"
-#include "pdx/scene/solid.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,55 +9,12 @@
 
 namespace pdx::record {
 namespace {
-geom::Lattice<2> plane_of(const geom::Lattice<3>& lattice)
+/// The part of a scene whose cracks are followed, null for none.
+const scene::Part* followed(const RunFiles& files)
 {
-  return {lattice.origin.head<2>(), lattice.dx, {lattice.count[0], lattice.count[1]}};
-}
-
-/// The middle layer, whose sites have the names of the solid.
-track::TreeGround middle_of(const pd::LatticePart<3>& part)
-{
-  const geom::Lattice<3>& lattice = part.lattice();
-  const geom::Lattice<2> plane = plane_of(lattice);
-  const std::int64_t before = std::int64_t{lattice.count[2] / 2} * lattice.count[1]; // rows of other layers
-  return {plane, part.stencil().horizon, {{0, before}, lattice.count[0], 0, 1}};
-}
-
-/// What is active on either of two pieces of one lattice, as the first counts its sites.
-geom::SiteSet<2> united(const track::TreeGround& ground, const couple::PatchShape& shape)
-{
-  std::vector<geom::SiteSet<2>::Corners> boxes;
-  const auto add = [&boxes](const geom::SiteSet<2>& set, const Site<2>& shift) {
-    for (const geom::SiteRun<2>& run : set.runs()) {
-      const Site<2> first{run.first[0] + shift[0], run.first[1] + shift[1]};
-      boxes.push_back({first, {first[0] + run.length, first[1] + 1}});
-    }
-  };
-  const auto away = [&](std::size_t d) { return static_cast<Index>(shape.names.first[d] - ground.names.first[d]); };
-  add(ground.where.active, {0, 0});
-  add(shape.active, {away(0), away(1)});
-  return geom::SiteSet<2>(boxes);
-}
-
-/// The lattices that particles of a scene lie on, each once.
-std::vector<track::TreeGround> grounds_of(const options::SceneOptions& options)
-{
-  std::vector<track::TreeGround> grounds;
-  for (const couple::PatchShape& shape : scene::patch_shapes(options)) {
-    const auto known = std::ranges::find_if(
-        grounds, [&](const track::TreeGround& ground) { return ground.names.lattice == shape.names.lattice; });
-    if (known == grounds.end())
-      grounds.push_back({{shape.lattice, shape.active}, options.pd.horizon_ratio * shape.lattice.dx, shape.names});
-    else
-      known->where.active = united(*known, shape);
-  }
-  return grounds;
-}
-
-std::vector<track::TreeGround> grounds_of(const RunFiles& files)
-{
-  if (files.scene.solid) return {middle_of(*files.scene.solid->bonds->parts()[0])};
-  return grounds_of(scene::Layout::given(files.options).in(files.options));
+  for (const auto& part : files.scene.model->parts)
+    if (!part->grounds(files.options).empty()) return part.get();
+  return nullptr;
 }
 
 nlohmann::ordered_json place(const geom::Frame& frame, const Vector<2>& x)
@@ -85,17 +40,18 @@ nlohmann::ordered_json describe(const track::GrownTip& tip, const crack::Tip& fr
 }
 } // namespace
 
-CrackWatch::CrackWatch(const RunFiles& files)
-    : files_(files), given_(scene::cracks_in(files.options, files.scene.model->body)),
-      tracker_(files.comm(), given_.tips(), grounds_of(files), files.options.post.tip_damage)
+CrackWatch::CrackWatch(const RunFiles& files, const scene::Part& part)
+    : files_(files), part_(part), given_(scene::cracks_in(files.options, files.scene.model->body)),
+      tracker_(files.comm(), given_.tips(), part.grounds(files.options), files.options.post.tip_damage)
 {
   for (int k = 0; k < given_.size(); ++k) given_length_ += length_inside(given_, k, files.scene.model->body);
 }
 
 std::unique_ptr<CrackWatch> CrackWatch::make(const RunFiles& files)
 {
-  if (!files.scene.model->breaker || files.scene.cloud) return nullptr; // tips are found on lattices
-  std::unique_ptr<CrackWatch> watch(new CrackWatch(files));
+  const scene::Part* part = files.scene.model->breaker ? followed(files) : nullptr;
+  if (!part) return nullptr;
+  std::unique_ptr<CrackWatch> watch(new CrackWatch(files, *part));
   for (std::size_t t = 0; t < watch->given_.tips().size(); ++t)
     if (watch->tracker_.tree().span(t) > 0.0) return watch;
   return nullptr;
@@ -116,31 +72,8 @@ void CrackWatch::look(double time, std::int64_t bonds_broken)
 {
   if (bonds_broken == broken_) return tracker_.nothing_new(time);
   broken_ = bonds_broken;
-  if (files_.scene.solid) return look_at_layer(time);
-  const scene::Discretisation& d = *files_.scene.d;
-  couple::ParticleDamage damage = couple::particle_damage(d.system.rows, *d.bonds, d.carried);
-  for (std::size_t k = 0; k < damage.damage.size(); ++k) damage.damage[k] += damage.precrack[k];
-  tracker_.look(time, damage.damage, [&](std::size_t k) {
-    const pd::Particle& particle = d.particles[k];
-    const couple::PatchShape& shape = files_.scene.plan->shapes[static_cast<std::size_t>(particle.patch)];
-    return shape.names.of(shape.active.site(particle.site));
-  });
-}
-
-void CrackWatch::look_at_layer(double time)
-{
-  const scene::Solid& solid = *files_.scene.solid;
-  const geom::Lattice<3>& lattice = solid.bonds->parts()[0]->lattice();
-  const couple::ParticleDamage all = couple::particle_damage<3>(solid.system.rows, *solid.bonds, nullptr);
-  std::vector<std::uint64_t> layer;
-  std::vector<double> damage;
-  for (std::size_t k = 0; k < solid.particles.size(); ++k) {
-    const Site<3> site = lattice.site(solid.particles[k].site);
-    if (site[2] != lattice.count[2] / 2) continue;
-    layer.push_back(static_cast<std::uint64_t>(solid.particles[k].site));
-    damage.push_back(all.damage[k] + all.precrack[k]);
-  }
-  tracker_.look(time, damage, [&](std::size_t k) { return layer[k]; });
+  const scene::Watched now = part_.watched();
+  tracker_.look(time, now.damage, now.name);
 }
 
 std::optional<scene::CrackNotes> CrackWatch::notes() const

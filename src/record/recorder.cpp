@@ -23,20 +23,20 @@ template <class T> nlohmann::ordered_json series(const std::vector<T>& values)
 }
 } // namespace
 
-void Recorder::built(const scene::Standing& scene)
+void Recorder::built(mesh::Mesh& mesh, const scene::Discretisation& d)
 {
-  files_.built(scene);
-  d_ = scene.d;
+  files_.built({&mesh, &d});
+  d_ = &d;
   cracks_ = std::make_unique<StaticCracks>(files_);
   if (files_.grows() || options_.output.history) ledger_ = std::make_unique<post::EnergyLedger>(d_->system);
   if (options_.output.history) open_history();
 }
 
-void Recorder::take_scene(const scene::Standing& scene, double load, std::vector<double> u,
+void Recorder::take_scene(mesh::Mesh& mesh, const scene::Discretisation& d, double load, std::vector<double> u,
                           std::span<const double> internal_force)
 {
-  files_.take_scene(scene);
-  d_ = scene.d;
+  files_.take_scene({&mesh, &d});
+  d_ = &d;
   if (!ledger_) return;
   ledger_ = std::make_unique<post::EnergyLedger>(
       d_->system,
@@ -48,7 +48,7 @@ void Recorder::open_history()
   std::vector<io::Column> columns{
       {"step", "-"}, {"load", "-"}, {"energy_elements", "J"}, {"energy_bonds", "J"}, {"energy_interface", "J"},
       {"work", "J"}};
-  if (d_->point_plan) columns.insert(columns.end() - 1, {"energy_points", "J"});
+  if (d_->has_points()) columns.insert(columns.end() - 1, {"energy_points", "J"});
   if (files_.grows()) {
     columns.insert(columns.end(), {{"energy_fracture", "J"}, {"passes", "-"}, {"bonds_broken", "-"}});
     cracks_->add_columns(columns);
@@ -85,7 +85,7 @@ void Recorder::write_history(const solve::Step& step, Vec u)
   const post::EnergyBalance& balance = ledger_->balance();
   std::vector<double> row{static_cast<double>(step.number), step.load, balance.energies.elements,
                           balance.energies.bonds, balance.energies.interface};
-  if (d_->point_plan) row.push_back(balance.energies.points);
+  if (d_->has_points()) row.push_back(balance.energies.points);
   row.push_back(balance.work);
   if (files_.grows()) {
     row.insert(row.end(), {balance.energies.dissipated, static_cast<double>(step.passes),
@@ -95,8 +95,7 @@ void Recorder::write_history(const solve::Step& step, Vec u)
   if (options_.post.modes) {
     std::vector<double> local;
     d_->system.halo->gather(u, local);
-    cracks_->add_modes(modes_of_tips({*files_.scene.mesh, options_, *files_.scene.plan, *d_, local}, cracks_->now()),
-                       row);
+    cracks_->add_modes(modes_of_tips({*files_.scene.mesh, options_, *d_->patch_plan, *d_, local}, cracks_->now()), row);
   }
   files_.add_layout_row(row, converted_);
   row.insert(row.end(), reactions_.now.begin(), reactions_.now.end());
@@ -165,7 +164,7 @@ void Recorder::write_results(Vec u, const Prior& prior, const post::Displacement
   results["strain_energy_elements"] = balance.energies.elements;
   results["strain_energy_bonds"] = balance.energies.bonds;
   results["strain_energy_interface"] = balance.energies.interface;
-  if (d_->point_plan) results["strain_energy_points"] = balance.energies.points;
+  if (d_->has_points()) results["strain_energy_points"] = balance.energies.points;
   results["external_work"] = balance.work;
   if (files_.grows()) {
     results["fracture_energy"] = balance.energies.dissipated;
@@ -190,8 +189,8 @@ void Recorder::write_results(Vec u, const Prior& prior, const post::Displacement
   std::vector<double> local;
   d_->system.halo->gather(u, local);
   nlohmann::json cracks = nlohmann::json::object();
-  add_crack_results({*files_.scene.mesh, options_, *files_.scene.plan, *d_, local}, cracks_->now(),
-                    prior.energy_release, cracks);
+  add_crack_results({*files_.scene.mesh, options_, *d_->patch_plan, *d_, local}, cracks_->now(), prior.energy_release,
+                    cracks);
   for (const auto& [key, value] : cracks.items()) results[key] = value;
 }
 

@@ -9,11 +9,7 @@
 #include "pdx/io/provenance.hpp"
 #include "pdx/io/vtkhdf.hpp"
 #include "pdx/record/last_words.hpp"
-#include "pdx/record/output_blocks.hpp"
 #include "pdx/record/run_record.hpp"
-#include "pdx/scene/cloud_body.hpp"
-#include "pdx/scene/point_body.hpp"
-#include "pdx/scene/scene_warnings.hpp"
 #include "pdx/scene/seeds.hpp"
 
 #include <algorithm>
@@ -64,12 +60,11 @@ void RunFiles::take_scene(const scene::Standing& standing)
   summary.unknowns.pd = counts[2];
   summary.unknowns.ghost = scene.model->ghosts;
   summary.unknowns.mpm = scene.model->material_points;
-  if (scene.d && scene.d->sets) {
-    const xfem::CutReport& report = scene.d->sets->report();
+  if (const xfem::CutReport* report = scene.model->cut) {
     auto& results = summary.results;
-    results["cut_elements"] = report.cells;
-    results["enriched_sets"] = report.sets;
-    results["enriched_sets_dropped"] = report.dropped;
+    results["cut_elements"] = report->cells;
+    results["enriched_sets"] = report->sets;
+    results["enriched_sets_dropped"] = report->dropped;
   }
   summary.partition.cut = scene.mesh->quality().cut;
   summary.partition.imbalance = scene.mesh->quality().imbalance;
@@ -81,15 +76,17 @@ void RunFiles::built(const scene::Standing& standing)
   take_scene(standing);
   const auto& unknowns = summary.unknowns;
   const auto elements = unknowns.fe + unknowns.enriched;
-  std::string whose = scene.points ? fmt::format("of the grids of {} material points", unknowns.mpm)
-                                   : fmt::format("{} of elements, {} of particles", elements, unknowns.pd);
-  if (scene.d && scene.d->bodies)
-    whose = fmt::format("{} of elements and the grids of {} material points, {} of particles", elements, unknowns.mpm,
-                        unknowns.pd);
+  const std::string grids = fmt::format("the grids of {} material points", unknowns.mpm);
+  const bool points = scene.model->has_points();
+  const std::string whose = scene.model->has_others() ? fmt::format("{} of elements{}, {} of particles", elements,
+                                                                    points ? " and " + grids : "", unknowns.pd)
+                                                      : "of " + grids;
   progress.line(fmt::format("{}: {} unknowns ({}), partition cut {} imbalance {:.2f}", options.case_name,
                             elements + unknowns.pd, whose, scene.mesh->quality().cut, scene.mesh->quality().imbalance));
-  if (const std::string bonds = scene::bonds_line(comm_, options, standing); !bonds.empty()) progress.line(bonds);
-  if (standing.plan) warn(scene::row_warning(options, *standing.plan));
+  for (const auto& part : scene.model->parts) {
+    if (const std::string counted = part->counted(options); !counted.empty()) progress.line(counted);
+    warn(part->warning(options));
+  }
   report_cracks();
   if (options.pd.seeded) summary.results["seeded_patches"] = scene::given_boxes(options);
 }
@@ -119,8 +116,8 @@ void RunFiles::add_layout_results(double converted, double work)
 
 void RunFiles::report_cracks()
 {
-  if (!scene.d || !scene.d->sets) return;
-  const xfem::CutReport& report = scene.d->sets->report();
+  if (!scene.model->cut) return;
+  const xfem::CutReport& report = *scene.model->cut;
   if (report.dropped > 0)
     progress.line(fmt::format("{} nodes of cut elements have no enriched row: less than {:g} of their support lies on "
                               "one side",
@@ -189,19 +186,11 @@ std::vector<double> RunFiles::reactions(std::span<const double> force) const
 /// Counted from the body's corner.
 std::vector<field::OutputBlock> RunFiles::blocks(Vec u, const std::vector<double>& relative_percent)
 {
-  if (scene.points) return scene.points->blocks(u, velocity);
-  if (scene.cloud) return cloud_blocks(options, *scene.cloud, u, velocity);
-  if (scene.solid) return solid_blocks(options, *scene.solid, u);
-  std::vector<field::OutputBlock> all = output_blocks(*scene.mesh, options, *scene.d, u, relative_percent);
-  if (!scene.d->bodies) return all;
-  std::vector<double> local, v, moving(velocity.begin(), velocity.end());
-  moving.resize(2 * static_cast<std::size_t>(scene.d->system.rows.owned()), 0.0); // nothing moves in statics
-  if (scene.d->bonds) add_velocity(*scene.d, moving, all);
-  if (!scene.d->points) return all;
-  scene.d->system.halo->gather(u, local);
-  scene.d->system.halo->fetch(moving, 2, v);
-  all.push_back(scene.d->point_fields(*scene.mesh, local, v));
-  return all;
+  std::vector<double> local;
+  scene.model->system.halo->gather(u, local);
+  std::vector<double> moving(velocity.begin(), velocity.end());
+  moving.resize(static_cast<std::size_t>(scene.model->system.rows.owned() * scene.model->system.rows.dim), 0.0);
+  return scene.model->blocks({options, local, moving, relative_percent}); // nothing moves in statics
 }
 
 void RunFiles::write_fields(double time, Vec u, const std::vector<double>& relative_percent)

@@ -2,9 +2,6 @@
 
 #include "pdx/base/fingerprint.hpp"
 #include "pdx/base/gather.hpp"
-#include "pdx/scene/cloud_body.hpp"
-#include "pdx/scene/point_body.hpp"
-#include "pdx/scene/solid.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -39,34 +36,6 @@ std::vector<std::uint64_t> values_of(std::span<const field::RowName> names)
   std::ranges::transform(names, values.begin(), &field::RowName::value);
   return values;
 }
-
-/// A patch in the plane, or a solid.
-template <int Dim> std::string line_of(const geom::Lattice<Dim>& lattice, std::size_t bonds)
-{
-  return fmt::format("{} particles {} m apart from ({}), {} bonds\n", fmt::join(lattice.count, " x "), lattice.dx,
-                     fmt::join(lattice.origin.data(), lattice.origin.data() + Dim, ", "), bonds);
-}
-
-/// What was made of the options, patch by patch.
-std::string lines_of(const scene::Standing& scene)
-{
-  std::string text;
-  if (scene.solid) {
-    const pd::LatticePart<3>& part = *scene.solid->bonds->parts()[0];
-    text += "solid = " + line_of<3>(part.lattice(), part.stencil().half.size());
-  }
-  if (scene.points) text += fmt::format("points = {}\n", scene.points->description);
-  if (scene.cloud) text += fmt::format("cloud = {}\n", scene.cloud->description);
-  for (std::size_t p = 0; scene.plan && p < scene.plan->shapes.size(); ++p) {
-    const couple::PatchShape& shape = scene.plan->shapes[p];
-    text += fmt::format("patch {} = ", p + 1) + line_of<2>(shape.lattice, scene.plan->stencils[p].half.size());
-    for (const geom::Box<2>& box : shape.boxes)
-      if (!shape.active.is_box())
-        text += fmt::format("box of patch {} = {} {} {} {}\n", p + 1, box.lower[0], box.lower[1], box.upper[0],
-                            box.upper[1]);
-  }
-  return text;
-}
 } // namespace
 
 SceneTables::SceneTables(const scene::Standing& scene) : scene_(scene), model_(*scene.model)
@@ -86,11 +55,7 @@ void SceneTables::number_rows()
   std::ranges::sort(sets);
   sets_ = static_cast<PetscInt>(sets.size());
   std::vector<PetscInt> first{0}; // of each patch, and behind the last
-  if (scene_.plan)
-    for (const couple::PatchShape& shape : scene_.plan->shapes)
-      first.push_back(first.back() + static_cast<PetscInt>(shape.active.size()));
-  else
-    first.push_back(model_.system.rows.total);
+  for (const auto& part : model_.parts) part->add_numbers(first);
   particles_ = first.back();
 
   const PetscInt vertices = scene_.mesh->global_vertices();
@@ -127,7 +92,7 @@ void SceneTables::describe()
   text_ = fmt::format("vertices = {}\nnodes = {}\nenriched sets = {}\nparticles = {}\n", scene_.mesh->global_vertices(),
                       counts[0], sets_, counts[1]);
   text_ += fmt::format("supports = {}\n", supports_);
-  text_ += lines_of(scene_);
+  text_ += model_.described();
   text_ += fmt::format("critical stretch = {}\n", fmt::join(model_.critical_stretch, ", "));
 }
 

@@ -3,6 +3,7 @@
 #include "pdx/adapt/quiet.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/mesh/sites.hpp"
+#include "pdx/scene/discretisation.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -44,17 +45,13 @@ void sum_alike(std::vector<Column>& columns)
 
 std::vector<Column> columns_here(const RunFiles& files, std::size_t axis)
 {
-  const scene::Discretisation& d = *files.scene.d;
-  const couple::ParticleDamage all = couple::particle_damage(d.system.rows, *d.bonds, d.carried);
   std::vector<Column> columns;
-  for (std::size_t k = 0; k < d.particles.size(); ++k) {
-    const pd::Particle& particle = d.particles[k];
-    const couple::PatchShape& shape = files.scene.plan->shapes[static_cast<std::size_t>(particle.patch)];
-    const std::int64_t number = shape.names.first[axis] + shape.active.site(particle.site)[axis];
-    const bool damaged = all.damage[k] + all.precrack[k] >= files.options.post.tip_damage;
-    columns.push_back({files.scene.mesh->body(particle.cell), shape.names.lattice, number, 1, all.damage[k] > 1e-9,
-                       damaged, particle.x[static_cast<Eigen::Index>(axis)], shape.lattice.dx});
-  }
+  for (const auto& part : files.scene.model->parts)
+    for (const scene::SeenParticle& particle : part->seen()) {
+      const bool damaged = particle.damage + particle.precrack >= files.options.post.tip_damage;
+      columns.push_back({particle.body, particle.lattice, particle.number[axis], 1, particle.damage > 1e-9, damaged,
+                         particle.at[static_cast<Eigen::Index>(axis)], particle.spacing});
+    }
   sum_alike(columns);
   return columns;
 }
@@ -68,10 +65,13 @@ auto SectionWatch::counts(Index body, std::int64_t lattice) -> const Counts&
   constexpr Index anywhere = std::numeric_limits<Index>::max() / 4;
   const auto axis = static_cast<std::size_t>(files_.options.post.section);
   const mesh::Mesh& mesh = *files_.scene.mesh;
-  const auto shape = std::ranges::find_if(files_.scene.plan->shapes, [&](const couple::PatchShape& of) {
-    return of.body == body && of.names.lattice == lattice;
+  const auto* const plane = dynamic_cast<const scene::Discretisation*>(files_.scene.model);
+  if (!plane) return known->second;
+  const auto around = std::ranges::find_if(plane->around, [&](const couple::Surroundings& of) {
+    return of.shape().body == body && of.shape().names.lattice == lattice;
   });
-  const std::vector<bool> may = adapt::may_be_particles(files_.scene.d->view(mesh));
+  const couple::PatchShape* const shape = &around->shape();
+  const std::vector<bool> may = adapt::may_be_particles(plane->view(mesh));
   Counts mine;
   for (Index c = 0; c < mesh.owned_cells(); ++c)
     if (mesh.body(c) == body && may[static_cast<std::size_t>(c)])
@@ -87,7 +87,7 @@ auto SectionWatch::counts(Index body, std::int64_t lattice) -> const Counts&
 void SectionWatch::look(double time, std::int64_t bonds_broken)
 {
   using sections::Column;
-  if (time_ >= 0.0 || bonds_broken == broken_ || !files_.scene.d || !files_.scene.d->bonds) return;
+  if (time_ >= 0.0 || bonds_broken == broken_) return;
   broken_ = bonds_broken;
   std::vector<Column> columns =
       gather_all(files_.comm(), sections::columns_here(files_, static_cast<std::size_t>(files_.options.post.section)));
@@ -95,8 +95,10 @@ void SectionWatch::look(double time, std::int64_t bonds_broken)
   for (const Column& column : columns)
     if (column.touched) begun_.try_emplace({column.body, column.lattice, column.number}, time);
   const auto parted = [this](const Column& column) { // what is not must not be counted
-    return column.damaged == column.particles &&
-           column.damaged >= counts(column.body, column.lattice).at(column.number);
+    if (column.damaged != column.particles) return false;
+    const Counts& whole = counts(column.body, column.lattice);
+    const auto here = whole.find(column.number);
+    return here == whole.end() || column.damaged >= here->second;
   };
   const auto begun = [this](const Column& column) { return begun_.at({column.body, column.lattice, column.number}); };
   std::vector<const Column*> found; // of sections that broke at one look, those that began first

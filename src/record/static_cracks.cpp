@@ -9,9 +9,9 @@
 namespace pdx::record {
 StaticCracks::StaticCracks(const RunFiles& files) : files_(files)
 {
-  const crack::CrackSet cracks = scene::cracks_in(files.options, files.scene.d->body); // as they were given
-  now_ = crack_state(cracks, files.scene.d->body);
-  if (!now_.ends.empty()) given_length_ = length_inside(cracks, now_.ends[0].given.crack, files.scene.d->body);
+  const crack::CrackSet cracks = scene::cracks_in(files.options, files.scene.model->body); // as they were given
+  now_ = crack_state(cracks, files.scene.model->body);
+  if (!now_.ends.empty()) given_length_ = length_inside(cracks, now_.ends[0].given.crack, files.scene.model->body);
   marks_.resize(now_.ends.size());
 }
 

@@ -33,19 +33,13 @@ void TimeRecorder::built(const scene::Standing& scene)
   if (files_.options.post.section >= 0 && !sections_) sections_.emplace(files_);
   if (!files_.options.output.history) return;
   std::vector<io::Column> columns{{"step", "-"}, {"time", "s"}};
-  if (scene.points)
-    columns.insert(columns.end(), {{"energy_kinetic_points", "J"},
-                                   {"energy_points", "J"},
-                                   {"energy_contact", "J"},
-                                   {"energy_friction", "J"},
-                                   {"energy_viscous", "J"}});
-  else
+  if (d_->has_others())
     columns.insert(columns.end(), {{"energy_kinetic_elements", "J"},
                                    {"energy_kinetic_particles", "J"},
                                    {"energy_elements", "J"},
                                    {"energy_bonds", "J"},
                                    {"energy_interface", "J"}});
-  if (scene.d && scene.d->bodies)
+  if (d_->has_points())
     columns.insert(columns.end(), {{"energy_kinetic_points", "J"},
                                    {"energy_points", "J"},
                                    {"energy_contact", "J"},
@@ -78,7 +72,7 @@ void TimeRecorder::started(const solve::TimeDriver& driver, const scene::StepLim
 std::optional<scene::CrackNotes> TimeRecorder::leave_scene(const solve::TimeDriver& driver)
 {
   left_ = energies(driver).total();
-  tiles_ += d_->tiles();
+  tiles_ += d_->tiles().value_or(scene::Tiles{});
   cells_ += d_->cells_of_points();
   return cracks_ ? cracks_->notes() : std::nullopt;
 }
@@ -91,6 +85,19 @@ void TimeRecorder::take_scene(const scene::Standing& scene, const solve::TimeDri
   cracks_ = CrackWatch::make(files_);
   if (cracks_ && cracks) cracks_->take_notes(std::move(*cracks));
   converted_ += energies(driver).total() - left_;
+}
+
+void TimeRecorder::tell_shorter(const solve::TimeDriver& driver, double before, double limit)
+{
+  const std::string text = fmt::format("step {}: steps of {:.4g} s from here, for the particles that came",
+                                       driver.step(), driver.step_length());
+  PetscBool given = PETSC_FALSE;
+  PDX_CALL(PetscOptionsHasName(nullptr, nullptr, "-ts_dt", &given));
+  if (given)
+    files_.warn(
+        fmt::format("{}: the -ts_dt of {:g} s is above the stable limit beside them, {:.4g} s", text, before, limit));
+  else
+    files_.progress.line(text);
 }
 
 TimeRecorder::Notes TimeRecorder::notes() const
@@ -116,7 +123,7 @@ MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
                    e.stored.interface,     broken.energy,
                    e.stored.points,        e.stored.contact,
                    e.stored.friction,      driver.moving().damped().energy,
-                   driver.moving().work(), files_.scene.d ? files_.scene.d->kinetic_of_points(driver.v()) : 0.0};
+                   driver.moving().work(), d_->kinetic_of_points(driver.v())};
   MPI_Allreduce(MPI_IN_PLACE, sums, 10, MPI_DOUBLE, MPI_SUM, files_.comm());
   e.stored = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7]};
   e.work = sums[8];
@@ -165,13 +172,12 @@ void TimeRecorder::take_notes(const Notes& notes)
 void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEnergies& e)
 {
   std::vector<double> row{static_cast<double>(driver.step()), driver.time()};
-  if (files_.scene.points)
-    row.insert(row.end(), {e.kinetic(), e.stored.points, e.stored.contact, e.stored.friction, e.stored.viscous});
-  else
+  if (d_->has_others())
     row.insert(row.end(),
                {e.kinetic_elements, e.kinetic_particles, e.stored.elements, e.stored.bonds, e.stored.interface});
-  if (files_.scene.d && files_.scene.d->bodies)
-    row.insert(row.end(), {e.kinetic_points, e.stored.points, e.stored.contact, e.stored.friction, e.stored.viscous});
+  if (d_->has_points())
+    row.insert(row.end(), {d_->has_others() ? e.kinetic_points : e.kinetic(), e.stored.points, e.stored.contact,
+                           e.stored.friction, e.stored.viscous});
   row.insert(row.end(), {e.scheme, e.work, e.residual()});
   d_->add_more(driver.local(), driver.v(), row);
   if (d_->breaker) row.insert(row.end(), {e.stored.dissipated, static_cast<double>(broken_.bonds)});
@@ -239,7 +245,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
   results["external_work"] = e.work;
   results["initial_energy"] = e.initial;
   files_.add_layout_results(e.converted, e.initial + e.work);
-  if (files_.scene.points || (files_.scene.d && files_.scene.d->bodies)) {
+  if (d_->has_points()) {
     results["strain_energy_points"] = e.stored.points;
     results["strain_energy_contact"] = e.stored.contact;
     results["friction_energy"] = e.stored.friction;
@@ -270,10 +276,11 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
 /// Tiles of bonds in all passes of an explicit run.
 void TimeRecorder::write_tiles()
 {
-  if (files_.summary.unknowns.pd == 0 || files_.scene.cloud) return;
+  const std::optional<scene::Tiles> now = d_->tiles();
+  if (files_.summary.unknowns.pd == 0 || !now) return;
   if (files_.options.time.analysis != options::Analysis::explicit_dynamics) return;
-  scene::Model::Tiles all = tiles_;
-  all += d_->tiles();
+  scene::Tiles all = tiles_;
+  all += *now;
   std::int64_t tiles[] = {all.computed, all.skipped};
   MPI_Allreduce(MPI_IN_PLACE, tiles, 2, MPI_INT64_T, MPI_SUM, files_.comm());
   files_.summary.results["pd_tiles_computed"] = tiles[0];
@@ -284,7 +291,7 @@ void TimeRecorder::write_tiles()
 void TimeRecorder::write_cells()
 {
   if (files_.options.time.analysis != options::Analysis::explicit_dynamics) return;
-  scene::Model::Tiles cells = cells_;
+  scene::Tiles cells = cells_;
   cells += d_->cells_of_points();
   std::int64_t counts[] = {cells.computed, cells.skipped};
   MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, files_.comm());

@@ -1,5 +1,6 @@
 #include "pdx/record/tip_j.hpp"
 
+#include "pdx/adapt/energy_trial.hpp"
 #include "pdx/law/fracture.hpp"
 
 #include <algorithm>
@@ -87,7 +88,7 @@ std::vector<post::TipModes> contour_modes(const Solved& s, const crack::Tip& tip
                                std::vector<double> u(s.u.begin(), s.u.end());
                                for (std::size_t k = 0; k < added.size(); ++k) u[k] += added[k];
                                s.d.system.halo->refresh(u);
-                               return contours_of(s, *patch, tip, u, s.d.energy_density(u));
+                               return contours_of(s, *patch, tip, u, adapt::energy_density(s.d.view(s.mesh), u));
                              });
 }
 
@@ -119,7 +120,7 @@ post::SideOfCrack side_of(const scene::Discretisation& d, const CrackEnd& end)
 std::vector<std::optional<post::TipModes>> modes_of_tips(const Solved& s, const CrackState& state)
 {
   std::vector<double> density;
-  if (s.d.bonds && !s.options.post.j_domain) density = s.d.energy_density(s.u);
+  if (s.d.bonds && !s.options.post.j_domain) density = adapt::energy_density(s.d.view(s.mesh), s.u);
   std::vector<std::optional<post::TipModes>> modes;
   for (const CrackEnd& end : state.ends) {
     crack::Tip tip = end.given;

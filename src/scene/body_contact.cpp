@@ -74,12 +74,13 @@ couple::Host carried_by(const mpm::Body<Dim>& body, const Site<Dim>& cell, const
                         const Vector<Dim>& x)
 {
   const Vector<Dim> at = (x - body.node(cell)) / body.cell_size();
+  static_assert(couple::Host::kRows >= 1U << Dim); // there is room for all corners
   couple::Host host;
   for (std::size_t corner = 0; corner < corners.rows.size(); ++corner) {
     double weight = 1.0;
     for (std::size_t d = 0; d < Dim; ++d)
       weight *= corner >> d & 1U ? at[static_cast<Eigen::Index>(d)] : 1.0 - at[static_cast<Eigen::Index>(d)];
-    host.add(corners.rows[corner], weight);
+    (void)host.add(corners.rows[corner], weight);
   }
   return host;
 }

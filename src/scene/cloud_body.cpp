@@ -132,93 +132,80 @@ std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const CloudPlan
 }
 
 namespace {
-template <int Dim> void number_rows(MPI_Comm comm, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body)
+template <int Dim> void number_rows(MPI_Comm comm, const pd::Cloud<Dim>& cloud, Model& body)
 {
   body.system.rows = field::Rows::number(comm, Dim, 0, 0, static_cast<Index>(body.particles.size()));
   for (const pd::Particle& particle : body.particles) {
     const auto k = static_cast<std::size_t>(particle.site);
     body.system.coordinates.insert(body.system.coordinates.end(), cloud.points[k].begin(), cloud.points[k].end());
-    body.sets.push_back(cloud.sets[k]);
   }
 }
 
 template <int Dim>
-void add_bonds(const options::SceneOptions& options, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body)
+pd::CloudTerm<Dim>& add_bonds(const options::SceneOptions& options, const pd::Cloud<Dim>& cloud, Model& body)
 {
   const options::PdOptions& pd = options.pd;
   std::vector<Index> mine;
   for (const pd::Particle& particle : body.particles) mine.push_back(particle.site);
   try {
-    auto bonds = std::make_unique<pd::CloudTerm<Dim>>(
+    body.system.terms.push_back(std::make_unique<pd::CloudTerm<Dim>>(
         body.system.rows, cloud, mine,
         pd::CloudOptions{pd.horizon, options.elastic.thickness, pd.micromodulus, options.elastic},
-        options.bond_kinematics());
-    body.bonds = bonds.get();
-    body.system.terms.push_back(std::move(bonds));
+        options.bond_kinematics()));
   } catch (const UserError& wrong) {
     throw UserError(fmt::format("-pd_cloud: {}", wrong.what()));
   }
-  if (!body.cracks.empty()) body.bonds->cut(body.cracks);
+  auto& bonds = static_cast<pd::CloudTerm<Dim>&>(*body.system.terms.back());
+  if (!body.cracks.empty()) bonds.cut(body.cracks);
+  return bonds;
 }
 
-template <int Dim> void add_fracture(const options::SceneOptions& options, CloudBody<Dim>& body)
+template <int Dim> void add_fracture(const options::SceneOptions& options, pd::CloudTerm<Dim>& bonds, Model& body)
 {
   const options::FractureOptions& f = options.fracture;
   if (!f.active()) return;
   const law::BondLaw<Dim> law(options.pd.micromodulus, options.elastic, options.pd.horizon);
   body.critical_stretch = {f.critical_stretch ? *f.critical_stretch : law.critical_stretch(*f.toughness)};
-  auto breaker = std::make_unique<couple::CloudBreaker<Dim>>(*body.bonds, body.critical_stretch[0], f.no_fail);
+  auto breaker = std::make_unique<couple::CloudBreaker<Dim>>(bonds, body.critical_stretch[0], f.no_fail);
   body.breaker = breaker.get();
   body.system.after_step.push_back(std::move(breaker));
 }
 } // namespace
 
 template <int Dim>
-std::unique_ptr<CloudBody<Dim>> discretise(MPI_Comm comm, const options::SceneOptions& options,
-                                           const CloudPlan<Dim>& plan, std::vector<pd::Particle> particles)
+std::unique_ptr<Model> discretise(MPI_Comm comm, const options::SceneOptions& options, const CloudPlan<Dim>& plan,
+                                  std::vector<pd::Particle> particles)
 {
-  auto body = std::make_unique<CloudBody<Dim>>();
-  Model& model = *body;
-  model.particles = std::move(particles);
+  auto body = std::make_unique<Model>();
+  body->particles = std::move(particles);
   body->body = plan.mesh.box;
   judge_no_fail(options, body->body);
   body->cracks = cracks_in(options, body->body);
-  body->description =
-      fmt::format("{} particles {}, horizon {} m", plan.particles.points.size(), plan.fingerprint, options.pd.horizon);
   number_rows<Dim>(comm, plan.particles, *body);
-  add_bonds<Dim>(options, plan.particles, *body);
-  apply_conditions<Dim>(options, plan.particles, *body);
+  pd::CloudTerm<Dim>& bonds = add_bonds<Dim>(options, plan.particles, *body);
+  std::vector<Index> sets;
+  for (const pd::Particle& particle : body->particles)
+    sets.push_back(plan.particles.sets[static_cast<std::size_t>(particle.site)]);
+  body->parts.push_back(std::make_unique<CloudPart<Dim>>(
+      *body, bonds,
+      fmt::format("{} particles {}, horizon {} m", plan.particles.points.size(), plan.fingerprint, options.pd.horizon),
+      std::move(sets)));
+  apply_conditions<Dim>(options, plan.particles, bonds, *body);
   body->system.bind();
-  add_fracture<Dim>(options, *body);
+  add_fracture<Dim>(options, bonds, *body);
   return body;
-}
-
-template <int Dim> post::Energies CloudBody<Dim>::energies(std::span<const double> local) const
-{
-  post::Energies mine;
-  mine.bonds = bonds->energy(local);
-  return mine;
-}
-
-template <int Dim> std::vector<double> CloudBody<Dim>::positions() const
-{
-  std::vector<double> all;
-  for (std::size_t k = 0; k < particles.size(); ++k)
-    for (std::size_t a = 0; a < 3; ++a) all.push_back(a < Dim ? system.coordinates[Dim * k + a] : 0.0);
-  return all;
 }
 
 #define PDX_INSTANTIATE(Dim)                                                                                           \
   template struct CloudPlan<Dim>;                                                                                      \
-  template struct CloudBody<Dim>;                                                                                      \
   template CloudPlan<Dim> plan_cloud<Dim>(options::SceneOptions&);                                                     \
   template mesh::CellCost cell_cost<Dim>(const CloudPlan<Dim>&);                                                       \
   template std::vector<pd::Particle> make_particles<Dim>(const mesh::Mesh&, const CloudPlan<Dim>&, pd::Particles&)
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
 #undef PDX_INSTANTIATE
-template std::unique_ptr<CloudBody<2>> discretise<2>(MPI_Comm, const options::SceneOptions&, const CloudPlan<2>&,
-                                                     std::vector<pd::Particle>);
-template std::unique_ptr<CloudBody<3>> discretise<3>(MPI_Comm, const options::SceneOptions&, const CloudPlan<3>&,
-                                                     std::vector<pd::Particle>);
+template std::unique_ptr<Model> discretise<2>(MPI_Comm, const options::SceneOptions&, const CloudPlan<2>&,
+                                              std::vector<pd::Particle>);
+template std::unique_ptr<Model> discretise<3>(MPI_Comm, const options::SceneOptions&, const CloudPlan<3>&,
+                                              std::vector<pd::Particle>);
 } // namespace pdx::scene

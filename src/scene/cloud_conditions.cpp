@@ -7,8 +7,9 @@ namespace pdx::scene {
 namespace {
 template <int Dim> class CloudConditions {
 public:
-  CloudConditions(const options::SceneOptions& options, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body)
-      : options_(options), cloud_(cloud), body_(body)
+  CloudConditions(const options::SceneOptions& options, const pd::Cloud<Dim>& cloud, const pd::CloudTerm<Dim>& bonds,
+                  Model& body)
+      : options_(options), cloud_(cloud), bonds_(bonds), body_(body)
   {}
 
   void apply()
@@ -43,8 +44,7 @@ private:
   {
     for (const Index row : rows)
       for (Index a = 0; a < Dim; ++a)
-        force[static_cast<std::size_t>(Dim * row + a)] +=
-            body_.bonds->volumes()[static_cast<std::size_t>(row)] * density[a];
+        force[static_cast<std::size_t>(Dim * row + a)] += bonds_.volumes()[static_cast<std::size_t>(row)] * density[a];
   }
 
   /// On all ranks, summed in the order of the file, so that nothing depends on their number [m^3].
@@ -58,17 +58,19 @@ private:
 
   const options::SceneOptions& options_;
   const pd::Cloud<Dim>& cloud_;
-  CloudBody<Dim>& body_;
+  const pd::CloudTerm<Dim>& bonds_;
+  Model& body_;
 };
 
 } // namespace
 
 template <int Dim>
-void apply_conditions(const options::SceneOptions& options, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body)
+void apply_conditions(const options::SceneOptions& options, const pd::Cloud<Dim>& cloud,
+                      const pd::CloudTerm<Dim>& bonds, Model& model)
 {
-  CloudConditions<Dim>(options, cloud, body).apply();
+  CloudConditions<Dim>(options, cloud, bonds, model).apply();
 }
-template void apply_conditions<2>(const options::SceneOptions&, const pd::Cloud<2>&, CloudBody<2>&);
-template void apply_conditions<3>(const options::SceneOptions&, const pd::Cloud<3>&, CloudBody<3>&);
+template void apply_conditions<2>(const options::SceneOptions&, const pd::Cloud<2>&, const pd::CloudTerm<2>&, Model&);
+template void apply_conditions<3>(const options::SceneOptions&, const pd::Cloud<3>&, const pd::CloudTerm<3>&, Model&);
 
 } // namespace pdx::scene

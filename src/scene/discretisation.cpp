@@ -1,5 +1,7 @@
 #include "pdx/scene/discretisation.hpp"
 
+#include "mesh_part.hpp"
+#include "particle_part.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/coarse/coarse_mesh.hpp"
 #include "pdx/couple/seams.hpp"
@@ -21,6 +23,7 @@ void cut_cells(mesh::Mesh& mesh, const options::SceneOptions& options, const Pat
   if (options.cracks.lines.empty()) return;
   d.cracks = cracks_in(options, d.body);
   d.sets = std::make_unique<xfem::EnrichedSets>(mesh, d.cracks, options.cracks.rule, options.frame);
+  d.cut = &d.sets->report();
 }
 
 /// Nodes that touch an element have a row; those inside a patch have none.
@@ -224,6 +227,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   auto result = std::make_unique<Discretisation>();
   Discretisation& d = *result;
   d.particles = std::move(particles);
+  d.patch_plan = &plan;
   cut_cells(mesh, options, plan, d);
   number_rows(mesh, points != nullptr, d);
   field::System& system = d.system;
@@ -239,7 +243,12 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   d.node_field = std::make_unique<couple::NodeField>(mesh, d.node_rows, parts);
   system.bind(d.node_field->needed_rows());
   d.node_field->bind(*system.halo);
-  if (points) keep_books(d);
+  d.parts.push_back(mesh_part(mesh, d));
+  if (d.bonds) d.parts.push_back(patch_part(mesh, d));
+  if (points) {
+    keep_books(d);
+    d.parts.push_back(mixed_part(mesh, d));
+  }
   if (!options.time.dynamic()) {
     const couple::JoinedModels models{mesh, d.node_rows, d.sets.get(), parts, d.carried};
     d.loose_parts = std::make_unique<couple::LooseParts>(models, system);
@@ -265,25 +274,6 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
 adapt::SceneView Discretisation::view(const mesh::Mesh& mesh) const
 {
   return {mesh, node_rows, sets.get(), around, *bonds, carried, *system.halo, particles, side_held, stays};
-}
-
-post::Energies Discretisation::energies(std::span<const double> local) const
-{
-  post::Energies mine;
-  if (elements) mine.elements += elements->energy(local);
-  if (cut_elements) mine.elements += cut_elements->energy(local);
-  if (bonds) mine.bonds = bonds->energy(local);
-  if (carried) mine.interface = carried->energy(local);
-  if (points) mine.points = points->energy(local);
-  if (touching) touching->add_energies(local, mine);
-  return mine;
-}
-
-std::vector<double> Discretisation::energy_density(std::span<const double> local) const
-{
-  std::vector<double> density = bonds->energy_density(local);
-  if (carried) carried->add_energy_density(local, density);
-  return density;
 }
 
 std::vector<double> Discretisation::vertex_displacement(Vec u) const

@@ -104,8 +104,7 @@ template <int Dim> double wave_speed(const mpm::BodyMaterial& body)
 } // namespace
 
 /// Rows are points: body by body, in order of the mesh's cells and of their sites.
-template <int Dim>
-std::vector<std::vector<mpm::GridPoint<Dim>>> GridBody<Dim>::lay_points(const mesh::Mesh& mesh, double side)
+template <int Dim> std::vector<std::vector<mpm::GridPoint<Dim>>> GridBody<Dim>::lay_points(double side)
 {
   PointRows<Dim>& rows = this->grid;
   const std::vector<typename PointRows<Dim>::Cell> cells(rows.cells.begin(),
@@ -137,14 +136,16 @@ std::vector<std::vector<mpm::GridPoint<Dim>>> GridBody<Dim>::lay_points(const me
       });
     }
   }
-  rows.rows = field::Rows::number(mesh.comm(), Dim, static_cast<Index>(rows.place.size()), 0, 0);
+  rows.rows = field::Rows::number(this->mesh.comm(), Dim, static_cast<Index>(rows.place.size()), 0, 0);
   return laid;
 }
 
 template <int Dim>
-GridBody<Dim>::GridBody(const options::SceneOptions& options, const PointPlan<Dim>& filled, const mesh::Mesh& mesh)
-    : PointBody<Dim>(filled, mesh)
+GridBody<Dim>::GridBody(const options::SceneOptions& options, const PointPlan<Dim>& filled,
+                        const mesh::Mesh& background, Model& scene)
+    : PointBody<Dim>(filled, background, scene)
 {
+  field::System& system = scene.system;
   materials = filled.materials();
   double coarsest = 0.0;
   for (const mpm::Body<Dim>& of : filled.bodies) coarsest = std::max(coarsest, of.cell_size());
@@ -153,16 +154,13 @@ GridBody<Dim>::GridBody(const options::SceneOptions& options, const PointPlan<Di
   origin = filled.bodies[0].corner;
   limit_ = std::numeric_limits<double>::infinity();
   for (const mpm::BodyMaterial& of : materials) limit_ = std::min(limit_, rule.side / wave_speed<Dim>(of));
-  this->body = mesh.bounds();
-  this->material_points = filled.count();
-  this->description = described(filled);
-  auto points_of = lay_points(mesh, rule.side);
-  this->node_names = this->grid.names;
-  this->system.rows = this->grid.rows;
-  for (const Vector<Dim>& x : this->grid.place)
-    this->system.coordinates.insert(this->system.coordinates.end(), x.begin(), x.end());
-  throw_bodies<Dim>(options.points, filled, this->grid.body, this->system);
-  std::vector<double>& v = this->system.initial_velocity;
+  scene.body = background.bounds();
+  scene.material_points = filled.count();
+  auto points_of = lay_points(rule.side);
+  system.rows = this->grid.rows;
+  for (const Vector<Dim>& x : this->grid.place) system.coordinates.insert(system.coordinates.end(), x.begin(), x.end());
+  throw_bodies<Dim>(options.points, filled, this->grid.body, system);
+  std::vector<double>& v = system.initial_velocity;
   v.resize(this->grid.place.size() * Dim, 0.0);
   throw_points(options, *this);
   std::size_t row = 0;
@@ -170,41 +168,38 @@ GridBody<Dim>::GridBody(const options::SceneOptions& options, const PointPlan<Di
     for (mpm::GridPoint<Dim>& p : of_body)
       for (std::size_t d = 0; d < Dim; ++d) p.v[static_cast<Eigen::Index>(d)] = v[row++];
   try {
-    motion = std::make_unique<mpm::GridMotion<Dim>>(mesh.comm(), rule, origin, materials, std::move(points_of));
+    motion = std::make_unique<mpm::GridMotion<Dim>>(background.comm(), rule, origin, materials, std::move(points_of));
   } catch (const SolverFailure& failure) {
     throw UserError(fmt::format("-mpm_bodies: {}, with cells {:g} m wide: put the bodies nearer to each other, or give "
                                 "-mpm_formulation total",
                                 failure.what(), rule.side));
   }
   apply_conditions<Dim>(options, *this);
-  this->system.terms.push_back(std::make_unique<GridTerm<Dim>>(*this));
-  this->system.steps = std::make_unique<GridSteps<Dim>>(*this);
-  this->system.bind();
-  this->bodies = std::make_unique<BodyBooks<Dim>>(this->system, this->rows_of_bodies(), nullptr);
+  system.terms.push_back(std::make_unique<GridTerm<Dim>>(*this));
+  system.steps = std::make_unique<GridSteps<Dim>>(*this);
+  system.bind();
+  scene.bodies = std::make_unique<BodyBooks<Dim>>(system, this->rows_of_bodies(), nullptr);
 }
 
-template <int Dim> post::Energies GridBody<Dim>::energies(std::span<const double>) const
+template <int Dim> void GridBody<Dim>::add_energies(std::span<const double>, post::Energies& mine) const
 {
-  post::Energies mine;
-  mine.points = motion->energies().strain;
-  return mine;
+  mine.points += motion->energies().strain;
 }
 
-template <int Dim> std::vector<io::Column> GridBody<Dim>::more_columns() const
+template <int Dim> void GridBody<Dim>::add_columns(std::vector<io::Column>& columns) const
 {
-  std::vector<io::Column> columns = Model::more_columns();
+  PointBody<Dim>::add_columns(columns);
   for (const std::string& name : holds) columns.push_back({name, "N"});
-  return columns;
 }
 
 template <int Dim>
-void GridBody<Dim>::add_more(std::span<const double> local, std::span<const double> v, std::vector<double>& row) const
+void GridBody<Dim>::add_row(std::span<const double> local, std::span<const double> v, std::vector<double>& row) const
 {
-  Model::add_more(local, v, row);
+  PointBody<Dim>::add_row(local, v, row);
   std::vector<double> forces(motion->hold_force().begin(), motion->hold_force().end());
   forces.resize(holds.size(), 0.0);
   MPI_Allreduce(MPI_IN_PLACE, forces.data(), static_cast<int>(forces.size()), MPI_DOUBLE, MPI_SUM,
-                this->system.rows.comm);
+                this->model.system.rows.comm);
   row.insert(row.end(), forces.begin(), forces.end());
 }
 
@@ -234,7 +229,7 @@ field::OutputBlock GridBody<Dim>::block(std::span<const double> local, std::span
   for (const Vector<Dim>& x : place)
     for (Eigen::Index d = 0; d < 3; ++d) block.points.push_back(d < Dim ? x[std::min<Eigen::Index>(d, Dim - 1)] : 0.0);
   int rank = 0;
-  MPI_Comm_rank(this->system.rows.comm, &rank);
+  MPI_Comm_rank(this->model.system.rows.comm, &rank);
   add_point_fields<Dim>(fields, rank, block);
   return block;
 }
@@ -244,19 +239,22 @@ template <int Dim> class GridScene final : public Scene {
 public:
   GridScene(MPI_Comm comm, options::SceneOptions given, const PointPlan<Dim>& plan, const mesh::MeasuredCosts* costs)
       : options_(std::move(given)),
-        mesh_(costs ? mesh::build_by_costs(comm, plan.mesh, *costs) : mesh::build(comm, plan.mesh, {})),
-        body_(options_, plan, mesh_)
+        mesh_(costs ? mesh::build_by_costs(comm, plan.mesh, *costs) : mesh::build(comm, plan.mesh, {}))
   {
+    auto body = std::make_unique<GridBody<Dim>>(options_, plan, mesh_, model_);
+    limit_ = body->limit();
+    model_.parts.push_back(std::move(body));
     stop_if_told(comm);
   }
-  Standing standing() override { return {&mesh_, &body_}; }
-  field::System& system() override { return body_.system; }
-  StepLimits limits() override { return {body_.limit(), 0.0}; }
+  Standing standing() override { return {&mesh_, &model_}; }
+  field::System& system() override { return model_.system; }
+  StepLimits limits() override { return {limit_, 0.0}; }
 
 private:
   options::SceneOptions options_;
   mesh::Mesh mesh_;
-  GridBody<Dim> body_;
+  Model model_;
+  double limit_ = 0.0; // of a step [s]
 };
 
 template <int Dim> SceneMaker grid_maker(MPI_Comm comm, options::SceneOptions& options)

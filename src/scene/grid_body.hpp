@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/mpm/grid_motion.hpp"
-#include "pdx/scene/grid_body.hpp"
+#include "pdx/scene/point_body.hpp"
+#include "pdx/scene/scene.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -14,14 +15,13 @@ struct GridPush {
 
 /// Points of a plan on a grid that is made anew each step.
 template <int Dim> struct GridBody final : PointBody<Dim> {
-  GridBody(const options::SceneOptions& options, const PointPlan<Dim>& plan, const mesh::Mesh& mesh);
+  GridBody(const options::SceneOptions& options, const PointPlan<Dim>& plan, const mesh::Mesh& mesh, Model& model);
 
-  post::Energies energies(std::span<const double> local) const override;
-  Model::Tiles cells_of_points() const override { return {}; } ///< its cells keep no points
-  field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const override;
-  std::vector<io::Column> more_columns() const override;
-  void add_more(std::span<const double> local, std::span<const double> velocity,
-                std::vector<double>& row) const override;
+  void add_energies(std::span<const double> local, post::Energies& mine) const override;
+  Tiles cells() const override { return {}; } ///< its cells keep no points
+  void add_columns(std::vector<io::Column>& columns) const override;
+  void add_row(std::span<const double> local, std::span<const double> velocity,
+               std::vector<double>& row) const override;
 
   double limit() const { return limit_; } ///< of a step [s]
 
@@ -32,8 +32,11 @@ template <int Dim> struct GridBody final : PointBody<Dim> {
   std::vector<mpm::BodyMaterial> materials;
   Vector<Dim> origin = Vector<Dim>::Zero(); ///< a node of the grid [m]
 
+protected:
+  field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const override;
+
 private:
-  std::vector<std::vector<mpm::GridPoint<Dim>>> lay_points(const mesh::Mesh& mesh, double side);
+  std::vector<std::vector<mpm::GridPoint<Dim>>> lay_points(double side);
   std::vector<int> natural_; // numbers of the owned points on all ranks
   double limit_ = 0.0;
 };
@@ -44,4 +47,8 @@ private:
 template <int Dim> void apply_conditions(const options::SceneOptions& options, GridBody<Dim>& body);
 template <int Dim> void throw_points(const options::SceneOptions& options, GridBody<Dim>& body);
 ///@}
+
+/// Bodies of material points on a grid that is fixed in space and made anew each step, as a scene in time: its rows are
+/// the points themselves, wherever they go on the rank that they were dealt to.
+SceneMaker grid_scene(MPI_Comm comm, options::SceneOptions& options);
 } // namespace pdx::scene

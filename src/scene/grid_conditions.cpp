@@ -1,3 +1,4 @@
+#include "condition_sides.hpp"
 #include "grid_body.hpp"
 #include "pdx/base/gather.hpp"
 
@@ -18,7 +19,6 @@ template <int Dim> bool acts_on(const options::BoundaryCondition& c, const mpm::
 template <int Dim>
 std::vector<geom::Box<Dim>> held_places(const options::BoundaryCondition& c, const GridBody<Dim>& body)
 {
-  static constexpr const char* sides[] = {"left", "right", "bottom", "top", "back", "front"};
   constexpr double far = 1e30;
   const double h = body.motion->rule().side;
   geom::Box<Dim> whole{Vector<Dim>::Constant(-far), Vector<Dim>::Constant(far)};
@@ -27,26 +27,17 @@ std::vector<geom::Box<Dim>> held_places(const options::BoundaryCondition& c, con
     whole.upper.template head<2>() = c.box->upper;
   }
   if (c.on.empty()) return {whole};
+  const auto [on, high] = point_side(c, Dim);
+  const auto axis = static_cast<Eigen::Index>(on);
   std::vector<geom::Box<Dim>> places;
-  for (std::size_t k = 0; k < 2 * Dim; ++k) {
-    if (c.on != sides[k]) continue;
-    const auto axis = static_cast<Eigen::Index>(k / 2);
-    for (const mpm::Body<Dim>& of : body.plan.bodies) {
-      if (!acts_on(c, of)) continue;
-      const geom::Box<Dim> around = of.around();
-      const double at = (k % 2 ? around.upper : around.lower)[axis], cells = (at - body.origin[axis]) / h;
-      if (std::abs(cells - std::round(cells)) > kNearSide)
-        throw UserError(
-            fmt::format("-bc_{}_on is {}: that side of {} lies within a cell of the grid, {:g} m wide: make "
-                        "its length a whole number of cells, or choose nodes by -bc_{}_box",
-                        c.name, c.on, of.name, h, c.name));
-      places.push_back(whole);
-      places.back().lower[axis] = places.back().upper[axis] = at;
-    }
+  for (const mpm::Body<Dim>& of : body.plan.bodies) {
+    if (!acts_on(c, of)) continue;
+    const geom::Box<Dim> around = of.around();
+    const double at = (high ? around.upper : around.lower)[axis];
+    require_line(c, of.name, (at - body.origin[axis]) / h, h);
+    places.push_back(whole);
+    places.back().lower[axis] = places.back().upper[axis] = at;
   }
-  if (places.empty())
-    throw UserError(fmt::format("-bc_{}_on is {}: a body of points has left, right, bottom, top{}", c.name, c.on,
-                                Dim == 3 ? ", back (low z) and front" : ""));
   return places;
 }
 
@@ -89,7 +80,7 @@ template <int Dim> void apply_conditions(const options::SceneOptions& options, G
 
 template <int Dim> void throw_points(const options::SceneOptions& options, GridBody<Dim>& body)
 {
-  std::vector<double>& v = body.system.initial_velocity;
+  std::vector<double>& v = body.model.system.initial_velocity;
   for (const options::BoundaryCondition& c : options.conditions) {
     if (!c.initial_velocity) continue;
     bool any = false;
@@ -101,7 +92,7 @@ template <int Dim> void throw_points(const options::SceneOptions& options, GridB
       any = true;
       for (std::size_t d = 0; d < Dim; ++d) v[Dim * row + d] = (*c.initial_velocity)[static_cast<Eigen::Index>(d)];
     }
-    if (!any_rank(body.system.rows.comm, any))
+    if (!any_rank(body.model.system.rows.comm, any))
       throw UserError(fmt::format("-bc_{}_box: no point lies there for the initial velocity to act on", c.name));
   }
 }

@@ -176,7 +176,6 @@ void add_points(const mesh::Mesh& mesh, const options::SceneOptions& options, co
                 const PointPlan<2>& plan, Discretisation& d)
 {
   d.point_plan = &plan;
-  d.patch_plan = &patches;
   mixed::judge_patches(mesh, options, patches, plan);
   for (Index c = 0; c < mesh.cells(); ++c) d.stays.push_back(mixed::stays(mesh, options, plan, c));
   if (!any_rank(mesh.comm(), !mesh.cells(mesh::Use::points).empty())) return;
@@ -228,39 +227,4 @@ void keep_books(Discretisation& d)
   d.bodies = std::make_unique<BodyBooks<2>>(d.system, d.body_rows, d.touching ? d.touching->books() : nullptr);
 }
 
-field::OutputBlock Discretisation::point_fields(const mesh::Mesh& mesh, std::span<const double> local,
-                                                std::span<const double> velocity) const
-{
-  const auto uncovered = [this](const CellOfBody<2>& cell) {
-    const mpm::Body<2>& of = point_plan->bodies[static_cast<std::size_t>(cell.body)];
-    const Vector<2> middle = of.node(cell.at).array() + 0.5 * of.cell_size();
-    return std::ranges::none_of(patch_plan->shapes, [&](const couple::PatchShape& shape) {
-      return shape.body == cell.body && shape.holds(middle);
-    });
-  };
-  int rank = 0;
-  MPI_Comm_rank(mesh.comm(), &rank);
-  return point_block<2>(*point_plan, point_cells, *points, local, velocity, rank, uncovered);
-}
-
-std::vector<io::Column> Discretisation::more_columns() const
-{
-  if (!bodies) return {};
-  std::vector<io::Column> columns{{"points", "-"}};
-  for (io::Column& column : bodies->more_columns()) columns.push_back(std::move(column));
-  return columns;
-}
-
-void Discretisation::add_more(std::span<const double> local, std::span<const double> velocity,
-                              std::vector<double>& row) const
-{
-  if (!bodies) return;
-  row.push_back(static_cast<double>(material_points));
-  bodies->add_more(local, velocity, row);
-}
-
-double Discretisation::kinetic_of_points(std::span<const double> velocity) const
-{
-  return bodies ? bodies->kinetic(velocity, system.rows.nodes, point_plan->elements()) : 0.0;
-}
 } // namespace pdx::scene

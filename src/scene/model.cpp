@@ -32,6 +32,72 @@ crack::CrackSet cracks_in_bodies(const options::SceneOptions& options)
 }
 } // namespace
 
+bool Model::has_points() const
+{
+  return std::ranges::any_of(parts, [](const auto& part) { return part->is_of_points(); });
+}
+
+bool Model::has_others() const
+{
+  return !std::ranges::all_of(parts, [](const auto& part) { return part->is_of_points(); });
+}
+
+post::Energies Model::energies(std::span<const double> local) const
+{
+  post::Energies mine;
+  for (const auto& part : parts) part->add_energies(local, mine);
+  if (touching) touching->add_energies(local, mine);
+  return mine;
+}
+
+double Model::kinetic_of_points(std::span<const double> velocity) const
+{
+  double mine = 0.0;
+  for (const auto& part : parts) mine += part->own_kinetic(velocity);
+  return mine;
+}
+
+std::optional<Tiles> Model::tiles() const
+{
+  std::optional<Tiles> all;
+  for (const auto& part : parts)
+    if (const std::optional<Tiles> tiles = part->tiles()) all = all.value_or(Tiles{}) += *tiles;
+  return all;
+}
+
+Tiles Model::cells_of_points() const
+{
+  Tiles all;
+  for (const auto& part : parts) all += part->cells();
+  return all;
+}
+
+std::vector<field::OutputBlock> Model::blocks(const Picture& now) const
+{
+  std::vector<field::OutputBlock> all;
+  for (const auto& part : parts) part->add_blocks(now, all);
+  return all;
+}
+
+std::string Model::described() const
+{
+  std::string lines;
+  for (const auto& part : parts) lines += part->described();
+  return lines;
+}
+
+std::vector<io::Column> Model::more_columns() const
+{
+  std::vector<io::Column> columns;
+  for (const auto& part : parts) part->add_columns(columns);
+  return columns;
+}
+
+void Model::add_more(std::span<const double> local, std::span<const double> velocity, std::vector<double>& row) const
+{
+  for (const auto& part : parts) part->add_row(local, velocity, row);
+}
+
 crack::CrackSet cracks_in(const options::SceneOptions& options, const geom::Box<2>& body)
 {
   const auto& lines = options.cracks.lines;

@@ -1,8 +1,6 @@
 #include "pdx/scene/named_state.hpp"
 
 #include "pdx/base/gather.hpp"
-#include "pdx/scene/cloud_body.hpp"
-#include "pdx/scene/solid.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -10,31 +8,26 @@
 
 namespace pdx::scene {
 namespace {
-/// Calls visit(bond term) where particles lie on a lattice.
-template <class Visit> void with_bonds(const Standing& scene, Visit&& visit)
+int words_per_particle(const Model& model)
 {
-  if (scene.solid)
-    visit(*scene.solid->bonds);
-  else if (scene.d && scene.d->bonds)
-    visit(*scene.d->bonds);
+  int width = 0;
+  for (const auto& part : model.parts) width += part->words_per_particle();
+  return width;
 }
 
-int words_per_particle(const Standing& scene)
+std::vector<std::uint64_t> gone_in(const Model& model)
 {
-  return scene.cloud ? scene.cloud->words_per_particle() : kLatticeWords;
-}
-
-std::vector<std::uint64_t> gone_in(const Standing& scene)
-{
-  if (scene.cloud) return scene.cloud->gone();
   std::vector<std::uint64_t> words;
-  with_bonds(scene, [&](const auto& bonds) {
-    for (const auto& part : bonds.parts()) {
-      const std::vector<std::uint64_t> more = part->gone();
-      words.insert(words.end(), more.begin(), more.end());
-    }
-  });
+  for (const auto& part : model.parts) {
+    const std::vector<std::uint64_t> more = part->gone();
+    words.insert(words.end(), more.begin(), more.end());
+  }
   return words;
+}
+
+bool carries_bonds(const Model& model)
+{
+  return std::ranges::any_of(model.parts, [](const auto& part) { return part->carries_bonds(); });
 }
 
 NamedCracks named(const CrackNotes& notes, const SceneNames& names)
@@ -64,11 +57,9 @@ CrackNotes placed(const NamedCracks& cracks, std::span<const double> damage, con
   return notes;
 }
 
-bool breaks(const Standing& scene) { return scene.model->breaker || (scene.d && scene.d->fracture); }
-
 std::span<const field::RowName> names_with_words(const Standing& scene, const SceneNames& names)
 {
-  return names.particles().first(breaks(scene) ? names.particles().size() : 0);
+  return names.particles().first(scene.model->breaks() ? names.particles().size() : 0);
 }
 
 NamedState what_is_owned(const Standing& scene, const SceneNames& names)
@@ -78,11 +69,16 @@ NamedState what_is_owned(const Standing& scene, const SceneNames& names)
   state.dim = system.rows.dim;
   state.rows.assign(names.rows().begin(), names.rows().end());
   state.particles.assign(names.particles().begin(), names.particles().end());
-  if (!breaks(scene)) return state;
-  state.words_per_particle = words_per_particle(scene);
-  state.gone = gone_in(scene);
-  if (!scene.d || !scene.d->carried) return state;
-  state.carried = gather_all(system.rows.comm, scene.d->carried->broken());
+  if (!scene.model->breaks()) return state;
+  state.words_per_particle = words_per_particle(*scene.model);
+  state.gone = gone_in(*scene.model);
+  if (!carries_bonds(*scene.model)) return state;
+  std::vector<std::uint64_t> mine;
+  for (const auto& part : scene.model->parts) {
+    const std::vector<std::uint64_t> more = part->broken_carried();
+    mine.insert(mine.end(), more.begin(), more.end());
+  }
+  state.carried = gather_all(system.rows.comm, mine);
   std::ranges::sort(*state.carried);
   return state;
 }
@@ -139,10 +135,10 @@ Misfit StateMove::misfit_of() const
   if (const auto& steps = scene_.model->system.steps)
     if (state_.moving.inner.size() != state_.rows.size() * static_cast<std::size_t>(steps->width()))
       return {"/inner", "is missing or has other columns"};
-  if (const int width = breaks(scene_) ? words_per_particle(scene_) : 0; state_.words_per_particle != width)
+  const bool breaks = scene_.model->breaks();
+  if (const int width = breaks ? words_per_particle(*scene_.model) : 0; state_.words_per_particle != width)
     return {"/gone_bonds", fmt::format("has {} words a particle: must be {}", state_.words_per_particle, width)};
-  if (breaks(scene_) && scene_.d && scene_.d->carried && !state_.carried)
-    return {"/broken_carried_bonds", "is missing"};
+  if (breaks && carries_bonds(*scene_.model) && !state_.carried) return {"/broken_carried_bonds", "is missing"};
   if (state_.grips && state_.grips->names.size() * static_cast<std::size_t>(state_.dim + 1) !=
                           state_.grips->numbers.size() * static_cast<std::size_t>(state_.dim + 2))
     return {"/grips", "has other rows than the names"};
@@ -175,108 +171,24 @@ void StateMove::break_bonds() const
 {
   const int width = state_.words_per_particle;
   if (width == 0) return;
-  if (scene_.cloud) return scene_.cloud->set_gone(particles_.carry(state_.gone, width));
-  const std::vector<std::uint64_t> mine = particles_.carry(state_.gone, width);
-  const Torn torn = torn_particles();
-  with_bonds(scene_, [&](auto& bonds) {
-    auto next = mine.begin();
-    for (std::size_t p = 0; p < bonds.parts().size(); ++p) {
-      const auto& part = *bonds.parts()[p];
-      std::vector<field::RowName> others; // the words of other ranks' particles too
-      for (const Index site : part.halo_sites()) others.push_back(names_.particle(static_cast<Index>(p), site));
-      const auto end = next + std::ssize(part.sites()) * width;
-      std::vector<std::uint64_t> words(next, end);
-      next = end;
-      const std::vector<std::uint64_t> more = torn.words_of(scene_.model->system.rows.comm, others, width);
-      words.insert(words.end(), more.begin(), more.end());
-      bonds.set_gone(p, words);
-    }
-  });
-  if (!scene_.d || !scene_.plan) return;
-  if (changed_ && state_.carried) break_joined();
-  if (scene_.d->carried) scene_.d->carried->set_broken(changed_ ? broken_carried() : *state_.carried);
-}
-
-/// Those of the state's particles that lost bonds.
-StateMove::Torn StateMove::torn_particles() const
-{
-  Torn torn;
-  const auto width = static_cast<std::size_t>(state_.words_per_particle);
+  BrokenBonds broken{
+      scene_.model->system.rows.comm, width, particles_.carry(state_.gone, width), {}, {}, nullptr, changed_};
+  if (state_.carried) broken.carried = &*state_.carried;
   for (std::size_t k = 0; k < state_.particles.size(); ++k) {
-    const auto words = std::span(state_.gone).subspan(k * width, width);
+    const auto words =
+        std::span(state_.gone).subspan(k * static_cast<std::size_t>(width), static_cast<std::size_t>(width));
     if (std::ranges::all_of(words, [](std::uint64_t word) { return word == 0; })) continue;
-    torn.names.push_back(state_.particles[k]);
-    torn.gone.insert(torn.gone.end(), words.begin(), words.end());
+    broken.torn.push_back(state_.particles[k]);
+    broken.torn_words.insert(broken.torn_words.end(), words.begin(), words.end());
   }
-  return torn;
+  for (const auto& part : scene_.model->parts)
+    if (part->words_per_particle() > 0) part->break_bonds(broken);
 }
 
-std::vector<std::uint64_t> StateMove::Torn::words_of(MPI_Comm comm, std::span<const field::RowName> wanted,
-                                                     int width) const
+std::vector<std::uint64_t> BrokenBonds::words_of(std::span<const field::RowName> wanted) const
 {
   if (!any_rank(comm, !wanted.empty())) return {};
-  return field::RowMove(comm, names, wanted).carry(gone, width);
-}
-
-/// Bonds that left their patch when they broke, and lie in it now.
-void StateMove::break_joined() const
-{
-  pd::BondTerm<2>& bonds = *scene_.d->bonds;
-  for (std::size_t p = 0; p < bonds.parts().size(); ++p) {
-    std::vector<pd::LatticePart<2>::BondAt> within;
-    for (const std::uint64_t key : *state_.carried) {
-      const auto bond = couple::lattice_bond(key, scene_.plan->shapes[p].names, bonds.parts()[p]->stencil());
-      if (bond && bonds.parts()[p]->active().has(bond->lower) && bonds.parts()[p]->begins(bond->lower, bond->arm))
-        within.push_back(*bond);
-    }
-    if (!within.empty()) bonds.set_gone(p, within);
-  }
-}
-
-namespace {
-std::uint64_t name_of(const pd::LatticePart<2>::BondAt& bond, const geom::SiteNames& names)
-{
-  return names.of(bond.lower) * pd::kMaxHalfArms + bond.arm;
-}
-} // namespace
-
-/// Bonds of which some part had broken that elements carried.
-std::set<std::uint64_t> StateMove::parted_bonds() const
-{
-  std::set<std::uint64_t> bonds;
-  for (const std::uint64_t key : *state_.carried)
-    for (std::size_t p = 0; p < scene_.plan->shapes.size(); ++p)
-      if (const auto bond = couple::lattice_bond(key, scene_.plan->shapes[p].names, scene_.plan->stencils[p])) {
-        bonds.insert(name_of(*bond, scene_.plan->shapes[p].names));
-        break;
-      }
-  return bonds;
-}
-
-/// Keys of the carried bonds that are broken under another layout: those that were carried then, and those that lay in
-/// a patch. Lines are parted elsewhere: of a bond with a broken part no part heals.
-std::vector<std::uint64_t> StateMove::broken_carried() const
-{
-  std::vector<std::uint64_t> keys;
-  std::vector<std::size_t> arms;
-  std::vector<std::uint64_t> broken = *state_.carried;
-  const std::set<std::uint64_t> parted = parted_bonds();
-  std::vector<field::RowName> lower; // ends of the bonds
-  scene_.d->carried->for_each_key([&](std::uint64_t key, Index patch) {
-    const auto p = static_cast<std::size_t>(patch);
-    const geom::SiteNames& names = scene_.plan->shapes[p].names;
-    const auto [site, arm] = couple::bond_name(key, names, scene_.plan->stencils[p]);
-    if (parted.contains(site * pd::kMaxHalfArms + arm)) broken.push_back(key);
-    keys.push_back(key);
-    arms.push_back(arm);
-    lower.push_back(field::RowName::particle(site));
-  });
-  const std::vector<std::uint64_t> gone =
-      torn_particles().words_of(scene_.model->system.rows.comm, lower, state_.words_per_particle);
-  for (std::size_t k = 0; k < keys.size(); ++k)
-    if (gone[kLatticeWords * k + arms[k] / 64] >> (arms[k] % 64) & 1u) broken.push_back(keys[k]);
-  std::ranges::sort(broken);
-  return broken;
+  return field::RowMove(comm, torn, wanted).carry(torn_words, width);
 }
 
 Dormant StateMove::dormant() const

@@ -35,22 +35,22 @@ struct Found {
 };
 
 template <int Dim, class IsSo>
-Found find(const options::SceneOptions& options, const CloudBody<Dim>& body, IsSo&& is_so)
+Found find(const options::SceneOptions& options, const CloudPart<Dim>& body, IsSo&& is_so)
 {
   struct Entry {
     Index number;
     std::array<double, 3> at;
   };
-  const pd::CsrView<Dim> view = body.bonds->part().view();
+  const pd::CsrView<Dim> view = body.bonds().part().view();
   std::vector<Entry> mine;
-  for (std::size_t i = 0; i < body.particles.size(); ++i) {
+  for (std::size_t i = 0; i < body.model().particles.size(); ++i) {
     if (!is_so(view, i)) continue;
-    Entry entry{body.particles[i].site + 1, {}};
+    Entry entry{body.model().particles[i].site + 1, {}};
     const Vector<Dim> x = options.frame.given<Dim>(place(view, i));
     std::copy_n(x.data(), Dim, entry.at.begin());
     mine.push_back(entry);
   }
-  std::vector<Entry> all = gather_all(body.system.rows.comm, mine);
+  std::vector<Entry> all = gather_all(body.model().system.rows.comm, mine);
   std::ranges::sort(all, {}, &Entry::number);
   Found found;
   for (const Entry& entry : all) found.numbers.push_back(entry.number);
@@ -62,10 +62,10 @@ Found find(const options::SceneOptions& options, const CloudBody<Dim>& body, IsS
 } // namespace
 
 template <int Dim>
-std::vector<std::string> cloud_warnings(const options::SceneOptions& options, const CloudBody<Dim>& body)
+std::vector<std::string> cloud_warnings(const options::SceneOptions& options, const CloudPart<Dim>& body)
 {
   const auto size = [&](std::size_t i) {
-    return pd::particle_size<Dim>(body.bonds->volumes()[i], options.elastic.thickness);
+    return pd::particle_size<Dim>(body.bonds().volumes()[i], options.elastic.thickness);
   };
   const auto any_bond = [](const pd::CsrView<Dim>& view, std::size_t i, auto&& is_so) {
     for (std::int64_t b = view.first[i]; b < view.first[i + 1]; ++b)
@@ -113,8 +113,8 @@ template <std::size_t Dim> void require_rows(const options::SceneOptions& option
 
 namespace {
 template <std::size_t Dim>
-std::string thin_warning(const options::SceneOptions& options, const std::array<Index, Dim>& count,
-                         const std::function<std::string(int rows)>& stiffness)
+std::string warning_of(const options::SceneOptions& options, const std::array<Index, Dim>& count,
+                       const std::function<std::string(int rows)>& stiffness)
 {
   const auto thin = std::ranges::min_element(count);
   if (*thin >= 2.0 * options.pd.horizon_ratio - 1e-9) return {};
@@ -133,7 +133,7 @@ std::string thin_warning(const options::SceneOptions& options, const PatchPlan& 
 {
   const auto& sides = plan.sides[0];
   const bool volume = !sides && options.pd.surface_correction != options::SurfaceCorrection::none;
-  return thin_warning<2>(options, plan.shapes[0].lattice.count, [&](int rows) {
+  return warning_of<2>(options, plan.shapes[0].lattice.count, [&](int rows) {
     if (volume) return of_volumes(rows);
     const pd::BarStiffness bar = pd::bar_stiffness(plan.stencils[0], sides ? &*sides : nullptr, rows);
     return fmt::format("a bar of so many is {:.3g} times as stiff as the material in tension, {:.3g} times in bending",
@@ -143,7 +143,7 @@ std::string thin_warning(const options::SceneOptions& options, const PatchPlan& 
 
 std::string thin_warning(const options::SceneOptions& options, const std::array<Index, 3>& count)
 {
-  return thin_warning<3>(options, count, of_volumes);
+  return warning_of<3>(options, count, of_volumes);
 }
 
 std::string correction_warning(const options::SceneOptions& options, const PatchPlan& plan)
@@ -197,8 +197,8 @@ std::string corner_warning(const PatchPlan& plan, const geom::Box<2>& body, cons
   return {};
 }
 
-template std::vector<std::string> cloud_warnings<2>(const options::SceneOptions&, const CloudBody<2>&);
-template std::vector<std::string> cloud_warnings<3>(const options::SceneOptions&, const CloudBody<3>&);
+template std::vector<std::string> cloud_warnings<2>(const options::SceneOptions&, const CloudPart<2>&);
+template std::vector<std::string> cloud_warnings<3>(const options::SceneOptions&, const CloudPart<3>&);
 template void require_rows<2>(const options::SceneOptions&, const std::array<Index, 2>&);
 template void require_rows<3>(const options::SceneOptions&, const std::array<Index, 3>&);
 } // namespace pdx::scene

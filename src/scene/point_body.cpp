@@ -5,6 +5,7 @@
 #include "pdx/scene/point_output.hpp"
 #include "pdx/scene/thrown_bodies.hpp"
 
+#include <bit>
 #include <fmt/format.h>
 
 namespace pdx::scene {
@@ -15,11 +16,11 @@ void add_points(const PointPlan<Dim>& plan, const options::PointOptions& options
   std::vector<mpm::PointCell<Dim>> cells;
   for (const auto& cell : std::span(body.grid.cells).first(body.grid.owned))
     cells.push_back({cell.body, cell.rows, plan.bodies[static_cast<std::size_t>(cell.body)].points_in(cell.at)});
-  auto term =
-      std::make_unique<mpm::PointTerm<Dim>>(body.system.rows, std::move(cells), plan.materials(), options.viscosity);
+  auto term = std::make_unique<mpm::PointTerm<Dim>>(body.model.system.rows, std::move(cells), plan.materials(),
+                                                    options.viscosity);
   term->skip_rest(options.skips_rest);
   body.term = term.get();
-  body.system.terms.push_back(std::move(term));
+  body.model.system.terms.push_back(std::move(term));
 }
 
 } // namespace
@@ -37,36 +38,74 @@ template <int Dim> std::string described(const PointPlan<Dim>& plan)
   }
   return fmt::format("{} points {:016x}", plan.count(), fingerprint.value());
 }
-template <int Dim>
-std::unique_ptr<PointBody<Dim>> discretise(const options::SceneOptions& options, const PointPlan<Dim>& plan,
-                                           const mesh::Mesh& mesh)
+
+template <int Dim> void add_point_shares(const PointPlan<Dim>& plan, const mesh::Mesh& mesh, std::vector<double>& cells)
 {
-  auto body = std::make_unique<PointBody<Dim>>(plan, mesh);
-  body->body = mesh.bounds();
-  body->material_points = plan.count();
-  body->description = described(plan);
-  body->node_names = body->grid.names;
-  body->system.rows = body->grid.rows;
-  for (const Vector<Dim>& x : body->grid.place)
-    body->system.coordinates.insert(body->system.coordinates.end(), x.begin(), x.end());
-  add_points(plan, options.points, *body);
-  throw_bodies<Dim>(options.points, plan, body->grid.body, body->system);
-  add_contact<Dim>(
-      options, touching_bodies(plan), [&] { return surface_points<Dim>(plan, body->owned_cells(), *body->term); },
-      *body);
-  apply_conditions(options, *body);
-  body->system.bind();
-  body->bodies = std::make_unique<BodyBooks<Dim>>(body->system, body->rows_of_bodies(),
-                                                  body->touching ? body->touching->books() : nullptr);
-  return body;
+  for (Index c = 0; c < mesh.owned_cells(); ++c) {
+    const Index number = mesh.natural_cell(c) - plan.first_cell;
+    if (number < 0 || mesh.use(c) == mesh::Use::covered) continue;
+    const auto& column = plan.cells[static_cast<std::size_t>(number)];
+    const mpm::Body<Dim>& of = plan.bodies[static_cast<std::size_t>(column.body)];
+    for (const Index layer : plan.cell_layers(column)) {
+      Site<Dim> at{};
+      at[0] = column.at[0];
+      at[1] = column.at[1];
+      if constexpr (Dim == 3) at[2] = layer;
+      cells[static_cast<std::size_t>(c)] += std::popcount(of.points_in(at));
+    }
+  }
 }
 
-template <int Dim> post::Energies PointBody<Dim>::energies(std::span<const double> local) const
+template <int Dim>
+std::unique_ptr<Model> discretise(const options::SceneOptions& options, const PointPlan<Dim>& plan,
+                                  const mesh::Mesh& mesh)
 {
-  post::Energies mine;
-  mine.points = term->energy(local);
-  if (touching) touching->add_energies(local, mine);
-  return mine;
+  auto model = std::make_unique<Model>();
+  auto owned = std::make_unique<PointBody<Dim>>(plan, mesh, *model);
+  PointBody<Dim>& body = *owned;
+  model->parts.push_back(std::move(owned));
+  model->body = mesh.bounds();
+  model->material_points = plan.count();
+  field::System& system = model->system;
+  system.rows = body.grid.rows;
+  for (const Vector<Dim>& x : body.grid.place) system.coordinates.insert(system.coordinates.end(), x.begin(), x.end());
+  add_points(plan, options.points, body);
+  throw_bodies<Dim>(options.points, plan, body.grid.body, system);
+  add_contact<Dim>(
+      options, touching_bodies(plan), [&] { return surface_points<Dim>(plan, body.owned_cells(), *body.term); },
+      *model);
+  apply_conditions(options, body);
+  system.bind();
+  model->bodies = std::make_unique<BodyBooks<Dim>>(system, body.rows_of_bodies(),
+                                                   model->touching ? model->touching->books() : nullptr);
+  return model;
+}
+
+template <int Dim> void PointBody<Dim>::add_names(std::vector<field::RowName>& names) const
+{
+  names.insert(names.end(), grid.names.begin(), grid.names.end());
+}
+
+template <int Dim> void PointBody<Dim>::add_numbers(std::vector<PetscInt>& first) const
+{
+  first.push_back(first.back() + model.system.rows.total);
+}
+
+template <int Dim> void PointBody<Dim>::add_energies(std::span<const double> local, post::Energies& mine) const
+{
+  mine.points += term->energy(local);
+}
+
+template <int Dim> void PointBody<Dim>::add_columns(std::vector<io::Column>& columns) const
+{
+  for (io::Column& column : model.bodies->more_columns()) columns.push_back(std::move(column));
+}
+
+template <int Dim>
+void PointBody<Dim>::add_row(std::span<const double> local, std::span<const double> velocity,
+                             std::vector<double>& row) const
+{
+  model.bodies->add_more(local, velocity, row);
 }
 
 template <int Dim> BodyRows PointBody<Dim>::rows_of_bodies() const
@@ -87,24 +126,23 @@ template <int Dim>
 field::OutputBlock PointBody<Dim>::block(std::span<const double> local, std::span<const double> v) const
 {
   int rank = 0;
-  MPI_Comm_rank(system.rows.comm, &rank);
+  MPI_Comm_rank(model.system.rows.comm, &rank);
   return point_block<Dim>(plan, owned_cells(), *term, local, v, rank, [](const auto&) { return true; });
 }
 
-std::vector<field::OutputBlock> PointModel::blocks(Vec u, std::span<const double> velocity) const
+template <int Dim> void PointBody<Dim>::add_blocks(const Picture& now, std::vector<field::OutputBlock>& blocks) const
 {
-  std::vector<double> local, all;
-  system.halo->gather(u, local);
-  system.halo->fetch(velocity, system.rows.dim, all);
-  return {block(local, all)};
+  std::vector<double> velocity;
+  model.system.halo->fetch(now.velocity, Dim, velocity);
+  blocks.push_back(block(now.local, velocity));
 }
 
 template struct PointBody<2>;
 template struct PointBody<3>;
 template std::string described<2>(const PointPlan<2>&);
 template std::string described<3>(const PointPlan<3>&);
-template std::unique_ptr<PointBody<2>> discretise<2>(const options::SceneOptions&, const PointPlan<2>&,
-                                                     const mesh::Mesh&);
-template std::unique_ptr<PointBody<3>> discretise<3>(const options::SceneOptions&, const PointPlan<3>&,
-                                                     const mesh::Mesh&);
+template void add_point_shares<2>(const PointPlan<2>&, const mesh::Mesh&, std::vector<double>&);
+template void add_point_shares<3>(const PointPlan<3>&, const mesh::Mesh&, std::vector<double>&);
+template std::unique_ptr<Model> discretise<2>(const options::SceneOptions&, const PointPlan<2>&, const mesh::Mesh&);
+template std::unique_ptr<Model> discretise<3>(const options::SceneOptions&, const PointPlan<3>&, const mesh::Mesh&);
 } // namespace pdx::scene

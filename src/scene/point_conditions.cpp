@@ -1,3 +1,4 @@
+#include "condition_sides.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/scene/point_body.hpp"
 
@@ -7,21 +8,6 @@
 namespace pdx::scene {
 namespace {
 constexpr double kOnLine = 1e-6; // of a spacing
-
-/// A side of a body.
-struct SideOfBody {
-  std::size_t axis;
-  bool high;
-};
-
-template <int Dim> SideOfBody named_side(const options::BoundaryCondition& c)
-{
-  static constexpr const char* names[] = {"left", "right", "bottom", "top", "back", "front"};
-  for (std::size_t k = 0; k < 2 * Dim; ++k)
-    if (c.on == names[k]) return {k / 2, k % 2 == 1};
-  throw UserError(fmt::format("-bc_{}_on is {}: a body of points has left, right, bottom, top{}", c.name, c.on,
-                              Dim == 3 ? ", back (low z) and front" : ""));
-}
 
 template <int Dim> class PointConditions {
 public:
@@ -33,7 +19,7 @@ public:
   void apply()
   {
     const auto rows = [&](const options::BoundaryCondition& c, Acts acts) { return rows_of(c, acts); };
-    Prescriptions(options_, body_).enter(rows, [&](const options::BoundaryCondition& c, std::span<double> force) {
+    Prescriptions(options_, body_.model).enter(rows, [&](const options::BoundaryCondition& c, std::span<double> force) {
       if (c.traction) add_traction(c, force);
       if (c.body) add_body_force(c, force);
     });
@@ -47,7 +33,7 @@ private:
     return !c.box || c.box->contains(x.template head<2>(), kOnLine * dx);
   }
   /// Place of a side along its axis [m].
-  double side(const SideOfBody& on, Index b) const
+  double side(const BoxSide& on, Index b) const
   {
     const geom::Box<Dim>& box = around_[static_cast<std::size_t>(b)];
     return (on.high ? box.upper : box.lower)[static_cast<Eigen::Index>(on.axis)];
@@ -62,23 +48,16 @@ private:
                                 c.on.empty() ? "box" : "on", things, of, what));
   }
 
-  /// A side is one of nodes only where lines of the grid are.
-  void require_line(const options::BoundaryCondition& c, const SideOfBody& on, Index b) const
-  {
-    const mpm::Body<Dim>& of = body_at(b);
-    const double cells = (side(on, b) - of.corner[static_cast<Eigen::Index>(on.axis)]) / of.cell_size();
-    if (std::abs(cells - std::round(cells)) < kOnLine) return;
-    throw UserError(
-        fmt::format("-bc_{}_on is {}: that side of {} lies within a cell of its grid, {:g} m wide: make its "
-                    "length a whole number of cells, or choose nodes by -bc_{}_box",
-                    c.name, c.on, of.name, of.cell_size(), c.name));
-  }
-
   std::set<Index> rows_of(const options::BoundaryCondition& c, Acts acts) const
   {
     if (!c.on.empty())
       for (std::size_t b = 0; b < body_.plan.bodies.size(); ++b)
-        if (is_of(c, static_cast<Index>(b))) require_line(c, named_side<Dim>(c), static_cast<Index>(b));
+        if (is_of(c, static_cast<Index>(b))) {
+          const BoxSide on = point_side(c, Dim);
+          const mpm::Body<Dim>& of = body_at(static_cast<Index>(b));
+          const double away = side(on, static_cast<Index>(b)) - of.corner[static_cast<Eigen::Index>(on.axis)];
+          require_line(c, of.name, away / of.cell_size(), of.cell_size());
+        }
     std::set<Index> rows;
     for (std::size_t row = 0; row < body_.grid.place.size(); ++row) {
       const Index b = body_.grid.body[row];
@@ -86,12 +65,12 @@ private:
       const double dx = body_at(b).material.spacing;
       if (!is_of(c, b) || !in_box(c, x, dx)) continue;
       if (!c.on.empty()) {
-        const SideOfBody on = named_side<Dim>(c);
+        const BoxSide on = point_side(c, Dim);
         if (std::abs(x[static_cast<Eigen::Index>(on.axis)] - side(on, b)) > kOnLine * dx) continue;
       }
       rows.insert(static_cast<Index>(row));
     }
-    if (!any_rank(body_.system.rows.comm, !rows.empty())) refuse_nowhere(c, word_of(acts), "node of the grid");
+    if (!any_rank(body_.model.system.rows.comm, !rows.empty())) refuse_nowhere(c, word_of(acts), "node of the grid");
     return rows;
   }
 
@@ -101,7 +80,7 @@ private:
   {
     const mpm::Body<Dim>& of = body_at(cell.body);
     const Vector<Dim> local = (x - of.node(cell.at)) / of.cell_size();
-    const field::Rows& rows = body_.system.rows;
+    const field::Rows& rows = body_.model.system.rows;
     for (std::size_t corner = 0; corner < cell.rows.size(); ++corner) {
       if (!rows.owns(cell.rows[corner])) continue;
       double weight = 1.0;
@@ -128,13 +107,13 @@ private:
         spread(cell, x, volume(of) * *c.body, force);
       });
     }
-    if (!any_rank(body_.system.rows.comm, any)) refuse_nowhere(c, "body force", "point");
+    if (!any_rank(body_.model.system.rows.comm, any)) refuse_nowhere(c, "body force", "point");
   }
 
   /// Faces of sites on a side of a body, where no other site lies beyond them.
   void add_traction(const options::BoundaryCondition& c, std::span<double> force) const
   {
-    const SideOfBody on = named_side<Dim>(c);
+    const BoxSide on = point_side(c, Dim);
     const auto axis = static_cast<Eigen::Index>(on.axis);
     bool any = false;
     for (const auto& cell : body_.grid.cells) {
@@ -149,7 +128,7 @@ private:
         spread(cell, face, volume(of) / dx * *c.traction, force);
       });
     }
-    if (!any_rank(body_.system.rows.comm, any)) refuse_nowhere(c, "traction", "point");
+    if (!any_rank(body_.model.system.rows.comm, any)) refuse_nowhere(c, "traction", "point");
   }
 
   double volume(const mpm::Body<Dim>& of) const ///< of a point [m^3]

@@ -1,5 +1,6 @@
 #include "pdx/scene/scene.hpp"
 
+#include "grid_body.hpp"
 #include "pdx/base/stop_signals.hpp"
 #include "pdx/mesh/gmsh.hpp"
 #include "pdx/scene/mixed_points.hpp"
@@ -74,17 +75,18 @@ namespace {
 class PlaneScene final : public Scene {
 public:
   PlaneScene(MPI_Comm comm, options::SceneOptions options, const mesh::MeasuredCosts* costs,
-             std::shared_ptr<const PointPlan<2>> points = nullptr)
+             std::shared_ptr<const PointPlan<2>> points)
       : ground_(comm, std::move(options), costs, std::move(points))
   {
     ground_.lay_particles();
     build();
   }
-  Standing standing() override { return {&ground_.mesh, &ground_.plan, d_.get()}; }
+  Standing standing() override { return {&ground_.mesh, d_.get()}; }
   field::System& system() override { return d_->system; }
   StepLimits limits() override { return limits_of<2>(ground_.plan.stencils, d_->system); }
   std::vector<std::string> warnings() override { return ground_.warnings(); }
   adapt::SceneView view() const override { return d_->view(ground_.mesh); }
+  const PatchPlan& patches() const override { return ground_.plan; }
   void change(const Layout& layout) override
   {
     d_.reset();
@@ -132,7 +134,7 @@ private:
   SolidPlan plan_;
   mesh::Mesh mesh_;
   pd::Particles swarm_;
-  std::unique_ptr<Solid> solid_;
+  std::unique_ptr<Model> solid_;
 };
 
 template <int Dim> class CloudScene final : public Scene {
@@ -147,13 +149,16 @@ public:
   Standing standing() override { return {&mesh_, body_.get()}; }
   field::System& system() override { return body_->system; }
   StepLimits limits() override { return limits_of<Dim>({}, body_->system); }
-  std::vector<std::string> warnings() override { return cloud_warnings(options_, *body_); }
+  std::vector<std::string> warnings() override
+  {
+    return cloud_warnings(options_, static_cast<const CloudPart<Dim>&>(*body_->parts[0]));
+  }
 
 private:
   options::SceneOptions options_;
   mesh::Mesh mesh_;
   pd::Particles swarm_;
-  std::unique_ptr<CloudBody<Dim>> body_;
+  std::unique_ptr<Model> body_;
 };
 
 template <int Dim> class PointScene final : public Scene {
@@ -171,7 +176,7 @@ public:
 private:
   options::SceneOptions options_;
   mesh::Mesh mesh_;
-  std::unique_ptr<PointBody<Dim>> body_;
+  std::unique_ptr<Model> body_;
 };
 
 template <int Dim> SceneMaker point_maker(MPI_Comm comm, options::SceneOptions& options)
@@ -199,37 +204,32 @@ template <int Dim> SceneMaker cloud_maker(MPI_Comm comm, options::SceneOptions& 
     return scene;
   };
 }
-} // namespace
 
-SceneMaker plane_scene(MPI_Comm comm, const options::SceneOptions& options)
+/// @param plan of bodies of material points beside, null for none
+SceneMaker plane_maker(MPI_Comm comm, const options::SceneOptions& options, std::shared_ptr<const PointPlan<2>> plan)
 {
-  return [comm, &options](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
-    return std::make_unique<PlaneScene>(comm, layout.in(options), costs);
+  return [comm, &options, plan = std::move(plan)](const Layout& layout,
+                                                  const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
+    return std::make_unique<PlaneScene>(comm, layout.in(options), costs, plan);
   };
 }
 
-SceneMaker solid_scene(MPI_Comm comm, const options::SceneOptions& options)
+SceneMaker solid_maker(MPI_Comm comm, const options::SceneOptions& options)
 {
   return [comm, &options](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
     return std::make_unique<SolidScene>(comm, layout.in(options), costs);
   };
 }
+} // namespace
 
-SceneMaker cloud_scene(MPI_Comm comm, options::SceneOptions& options)
+SceneMaker scene_in_time(MPI_Comm comm, options::SceneOptions& options)
 {
-  return options.solid ? cloud_maker<3>(comm, options) : cloud_maker<2>(comm, options);
-}
-
-SceneMaker mixed_scene(MPI_Comm comm, options::SceneOptions& options)
-{
-  return [comm, &options, plan = settle_mixed(comm, options)](
-             const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
-    return std::make_unique<PlaneScene>(comm, layout.in(options), costs, plan);
-  };
-}
-
-SceneMaker point_scene(MPI_Comm comm, options::SceneOptions& options)
-{
-  return options.solid ? point_maker<3>(comm, options) : point_maker<2>(comm, options);
+  const bool solid = options.solid;
+  if (options.mixed()) return plane_maker(comm, options, settle_mixed(comm, options));
+  if (options.points.any() && options.points.formulation == options::Formulation::updated)
+    return grid_scene(comm, options);
+  if (options.points.any()) return solid ? point_maker<3>(comm, options) : point_maker<2>(comm, options);
+  if (!options.pd.cloud.empty()) return solid ? cloud_maker<3>(comm, options) : cloud_maker<2>(comm, options);
+  return solid ? solid_maker(comm, options) : plane_maker(comm, options, nullptr);
 }
 } // namespace pdx::scene

@@ -1,8 +1,5 @@
 #include "pdx/scene/scene_warnings.hpp"
 
-#include "pdx/scene/cloud_body.hpp"
-#include "pdx/scene/solid.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -81,31 +78,6 @@ bool runs_along_row(const couple::PatchShape& shape, const Vector<2>& a, const V
   }
   return false;
 }
-
-template <int Dim> std::string family(const pd::Stencil<Dim>& stencil)
-{
-  return fmt::format("{} bonds within {:.6g} m ({:.4g} spacings of {:.6g} m)", 2 * stencil.half.size(), stencil.horizon,
-                     stencil.horizon / stencil.dx, stencil.dx);
-}
-
-/// Entries of the neighbour lists of a cloud, this rank: each bond stands in two.
-std::int64_t entries(const CloudModel& cloud)
-{
-  if (const auto* plane = dynamic_cast<const CloudBody<2>*>(&cloud)) return plane->bonds->part().bonds();
-  const auto* space = dynamic_cast<const CloudBody<3>*>(&cloud);
-  return space ? space->bonds->part().bonds() : 0;
-}
-
-const char* unbroken(const options::SceneOptions& options)
-{
-  return options.fracture.active() ? "" : "; none breaks (no -material_toughness)";
-}
-
-std::int64_t sum(MPI_Comm comm, std::int64_t mine)
-{
-  MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_INT64_T, MPI_SUM, comm);
-  return mine;
-}
 } // namespace
 
 std::vector<std::string> option_warnings(const options::SceneOptions& options)
@@ -140,31 +112,5 @@ std::string size_warning(const options::SceneOptions& options, double largest, c
       "the largest displacement is {:.3g} m and the body {:.3g} m: small strains mean nothing there; look "
       "at units of loads and -material_young, or give -kinematics finite",
       largest, size);
-}
-
-std::string bonds_line(MPI_Comm comm, const options::SceneOptions& options, const Standing& scene)
-{
-  std::vector<std::string> families;
-  std::int64_t bonds = 0, carried = 0;
-  if (scene.d && scene.d->bonds) {
-    bonds = sum(comm, scene.d->bonds->bonds());
-    carried = sum(comm, scene.d->carried ? scene.d->carried->bonds() : 0);
-    for (const auto& part : scene.d->bonds->parts()) families.push_back(family(part->stencil()));
-  } else if (scene.solid) {
-    bonds = sum(comm, scene.solid->bonds->bonds());
-    for (const auto& part : scene.solid->bonds->parts()) families.push_back(family(part->stencil()));
-  } else if (scene.cloud) {
-    const std::int64_t all = sum(comm, entries(*scene.cloud));
-    const std::int64_t particles = sum(comm, static_cast<std::int64_t>(scene.cloud->particles.size()));
-    return fmt::format("bonds: {} between particles within {:.6g} m, {:.1f} for each in the mean{}", all / 2,
-                       options.pd.horizon, static_cast<double>(all) / static_cast<double>(particles),
-                       unbroken(options));
-  } else
-    return {};
-  std::ranges::sort(families);
-  families.erase(std::unique(families.begin(), families.end()), families.end());
-  return fmt::format("bonds: {} between particles{}; a full family has {}{}", bonds,
-                     carried > 0 ? fmt::format(", {} to elements", carried) : "", fmt::join(families, " or "),
-                     unbroken(options));
 }
 } // namespace pdx::scene

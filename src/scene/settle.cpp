@@ -106,6 +106,7 @@ double read_elements(MPI_Comm comm, mesh::MeshOptions& mesh)
 
 void settle(MPI_Comm comm, options::SceneOptions& options)
 {
+  if (!options.pd.cloud.empty() || options.points.any()) return; // as they are read and filled
   const auto everywhere = [](const Vector<2>&) { return true; };
   (void)crack::CrackSet(options.cracks.lines, everywhere, 1.0); // refuses crooked ones as they are given
   const double edge = read_elements(comm, options.mesh);

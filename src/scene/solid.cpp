@@ -1,5 +1,6 @@
 #include "pdx/scene/solid.hpp"
 
+#include "particle_part.hpp"
 #include "pdx/mesh/sites.hpp"
 
 #include <algorithm>
@@ -56,7 +57,7 @@ std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const SolidPlan
 }
 
 namespace {
-void number_rows(MPI_Comm comm, const geom::Lattice<3>& lattice, Solid& solid)
+void number_rows(MPI_Comm comm, const geom::Lattice<3>& lattice, Model& solid)
 {
   solid.system.rows = field::Rows::number(comm, 3, 0, 0, static_cast<Index>(solid.particles.size()));
   for (const pd::Particle& particle : solid.particles) {
@@ -65,7 +66,7 @@ void number_rows(MPI_Comm comm, const geom::Lattice<3>& lattice, Solid& solid)
   }
 }
 
-void add_bonds(const options::SceneOptions& options, const SolidPlan& plan, Solid& solid)
+pd::BondTerm<3>& add_bonds(const options::SceneOptions& options, const SolidPlan& plan, Model& solid)
 {
   std::vector<Index> sites;
   for (const pd::Particle& particle : solid.particles) sites.push_back(particle.site);
@@ -76,47 +77,90 @@ void add_bonds(const options::SceneOptions& options, const SolidPlan& plan, Soli
   std::vector<std::unique_ptr<pd::LatticePart<3>>> parts;
   parts.push_back(std::make_unique<pd::LatticePart<3>>(solid.system.rows, plan.lattice, plan.stencil, std::move(sites),
                                                        0, std::move(correction)));
-  auto bonds = std::make_unique<pd::BondTerm<3>>(std::move(parts), options.bond_kinematics(), false);
-  solid.bonds = bonds.get();
-  solid.system.terms.push_back(std::move(bonds));
-  if (!solid.cracks.empty()) solid.bonds->cut(solid.cracks);
+  auto owned = std::make_unique<pd::BondTerm<3>>(std::move(parts), options.bond_kinematics(), false);
+  pd::BondTerm<3>& bonds = *owned;
+  solid.system.terms.push_back(std::move(owned));
+  if (!solid.cracks.empty()) bonds.cut(solid.cracks);
+  return bonds;
 }
 
 /// From here on the bonds step in lane strips, with a toughness watched for breaking.
-void step_explicitly(const options::SceneOptions& options, const SolidPlan& plan, Solid& solid)
+void step_explicitly(const options::SceneOptions& options, const SolidPlan& plan, pd::BondTerm<3>& bonds, Model& solid)
 {
-  if (!options.fracture.active()) return solid.bonds->step_explicitly({});
+  if (!options.fracture.active()) return bonds.step_explicitly({});
   using Breaker = couple::StepBreaker<3>;
   solid.critical_stretch = {critical_stretch<3>(options, plan.stencil)};
   const couple::FractureOptions rule{solid.critical_stretch, options.fracture.no_fail, options.fracture.release,
                                      options.fracture.release_share, options.bond_kinematics()};
-  auto breaker = std::make_unique<Breaker>(*solid.bonds, nullptr, rule, Breaker::Steps::in_strips);
+  auto breaker = std::make_unique<Breaker>(bonds, nullptr, rule, Breaker::Steps::in_strips);
   solid.breaker = breaker.get();
   solid.system.after_step.push_back(std::move(breaker));
 }
+
+/// The particles of a solid; cracks are followed in the middle layer, whose sites have the names of the solid.
+class SolidPart final : public ParticlePart<3> {
+public:
+  SolidPart(const Model& model, pd::BondTerm<3>& bonds) : ParticlePart<3>(model, bonds, nullptr) {}
+
+  void add_names(std::vector<field::RowName>& names) const override
+  {
+    for (const pd::Particle& particle : model_.particles) names.push_back(name(0, particle.site));
+  }
+  void add_numbers(std::vector<PetscInt>& first) const override
+  {
+    first.push_back(first.back() + model_.system.rows.total);
+  }
+  std::string described() const override { return "solid = " + line_of<3>(lattice(), part().stencil().half.size()); }
+
+  std::vector<track::TreeGround> grounds(const options::SceneOptions&) const override
+  {
+    const geom::Lattice<3>& all = lattice();
+    const geom::Lattice<2> plane{all.origin.head<2>(), all.dx, {all.count[0], all.count[1]}};
+    const std::int64_t before = std::int64_t{all.count[2] / 2} * all.count[1]; // rows of other layers
+    return {{plane, part().stencil().horizon, {{0, before}, all.count[0], 0, 1}}};
+  }
+  bool watches(std::size_t k) const override
+  {
+    return lattice().site(model_.particles[k].site)[2] == lattice().count[2] / 2;
+  }
+  Watched watched() const override
+  {
+    const couple::ParticleDamage all = damage();
+    std::vector<std::uint64_t> layer;
+    std::vector<double> of_layer;
+    for (std::size_t k = 0; k < model_.particles.size(); ++k) {
+      if (!watches(k)) continue;
+      layer.push_back(static_cast<std::uint64_t>(model_.particles[k].site));
+      of_layer.push_back(all.damage[k] + all.precrack[k]);
+    }
+    return {std::move(of_layer), [layer = std::move(layer)](std::size_t k) { return layer[k]; }};
+  }
+
+private:
+  const pd::LatticePart<3>& part() const { return *bonds_.parts()[0]; }
+  const geom::Lattice<3>& lattice() const { return part().lattice(); }
+  field::RowName name(std::size_t, Index site) const override
+  {
+    return field::RowName::particle(static_cast<std::uint64_t>(site));
+  }
+};
 } // namespace
 
-std::unique_ptr<Solid> discretise(MPI_Comm comm, const options::SceneOptions& options, const SolidPlan& plan,
+std::unique_ptr<Model> discretise(MPI_Comm comm, const options::SceneOptions& options, const SolidPlan& plan,
                                   std::vector<pd::Particle> particles)
 {
-  auto solid = std::make_unique<Solid>();
+  auto solid = std::make_unique<Model>();
   solid->particles = std::move(particles);
   solid->body = plan.columns.body;
   judge_no_fail(options, solid->body);
   solid->cracks = cracks_in(options, solid->body);
   number_rows(comm, plan.lattice, *solid);
-  add_bonds(options, plan, *solid);
+  pd::BondTerm<3>& bonds = add_bonds(options, plan, *solid);
+  solid->parts.push_back(std::make_unique<SolidPart>(*solid, bonds));
   apply_conditions(options, plan.lattice, *solid);
   solid->system.bind();
-  step_explicitly(options, plan, *solid);
-  solid->bonds->skip_below(options.pd.skip_tolerance);
+  step_explicitly(options, plan, bonds, *solid);
+  bonds.skip_below(options.pd.skip_tolerance);
   return solid;
-}
-
-post::Energies Solid::energies(std::span<const double> local) const
-{
-  post::Energies mine;
-  mine.bonds = bonds->energy(local);
-  return mine;
 }
 } // namespace pdx::scene

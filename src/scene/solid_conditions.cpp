@@ -1,3 +1,4 @@
+#include "condition_sides.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/scene/solid.hpp"
 
@@ -5,24 +6,16 @@
 
 namespace pdx::scene {
 namespace {
-/// A side of the body.
-struct Side {
-  std::size_t axis;
-  bool high;
-};
-
-Side side_of(const options::BoundaryCondition& c)
+BoxSide side_of(const options::BoundaryCondition& c)
 {
-  static constexpr const char* names[] = {"left", "right", "bottom", "top", "back", "front"};
-  for (std::size_t k = 0; k < 6; ++k)
-    if (c.on == names[k]) return {k / 2, k % 2 == 1};
+  if (const auto side = box_side(c.on, 3)) return *side;
   throw UserError(
       fmt::format("-bc_{}_on is {}: a solid has left, right, bottom, top, back (z = 0) and front", c.name, c.on));
 }
 
 class SolidConditions {
 public:
-  SolidConditions(const options::SceneOptions& options, const geom::Lattice<3>& lattice, Solid& solid)
+  SolidConditions(const options::SceneOptions& options, const geom::Lattice<3>& lattice, Model& solid)
       : options_(options), lattice_(lattice), solid_(solid)
   {}
 
@@ -79,11 +72,11 @@ private:
 
   const options::SceneOptions& options_;
   const geom::Lattice<3>& lattice_;
-  Solid& solid_;
+  Model& solid_;
 };
 } // namespace
 
-void apply_conditions(const options::SceneOptions& options, const geom::Lattice<3>& lattice, Solid& solid)
+void apply_conditions(const options::SceneOptions& options, const geom::Lattice<3>& lattice, Model& solid)
 {
   SolidConditions(options, lattice, solid).apply();
 }

@@ -6,6 +6,9 @@
 #include <unordered_map>
 
 namespace pdx::adapt {
+/// Strain energy density per owned row, bonds that leave their patch included; 0 where no particle is [J/m^3].
+std::vector<double> energy_density(const SceneView& scene, std::span<const double> local);
+
 /// Whether a cell's particles may become an element: where the strain energy of the element would be much more than
 /// theirs, what they hold is finer than it can carry.
 class EnergyTrial {

@@ -3,10 +3,6 @@
 #include "pdx/scene/point_plan.hpp"
 
 namespace pdx::app {
-/// Matrix-free unless the user asks for an assembled matrix, by name or by choosing a preconditioner that needs one.
-/// Throws UserError for a preconditioner that cannot be.
-bool wants_assembled(const options::SceneOptions& options);
-
 /// Solves a scene for all its loads and writes what was asked for. Collective.
 /// @param points bodies of material points, settled (`scene::settle_mixed`); null without them
 void run_static(record::RunFiles& files, std::shared_ptr<const scene::PointPlan<2>> points = nullptr);

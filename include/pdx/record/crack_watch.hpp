@@ -27,11 +27,11 @@ public:
   void write_paths() const;
 
 private:
-  explicit CrackWatch(const RunFiles& files);
-  void look_at_layer(double time);
+  CrackWatch(const RunFiles& files, const scene::Part& part);
 
   const RunFiles& files_;
-  crack::CrackSet given_; // first
+  const scene::Part& part_; // whose cracks are followed
+  crack::CrackSet given_;   // first
   track::CrackTracker tracker_;
   double given_length_ = 0.0; // inside the body [m]
   std::int64_t broken_ = -1;  // at the last look; -1 before the first

@@ -1,17 +1,12 @@
 #pragma once
 #include "pdx/post/error_norm.hpp"
 #include "pdx/record/checkpoint_file.hpp"
+#include "pdx/record/prior.hpp"
 #include "pdx/record/static_cracks.hpp"
 #include "pdx/scene/named_state.hpp"
 #include "pdx/solve/static_driver.hpp"
 
 namespace pdx::record {
-/// Solved before the scene itself, where asked for.
-struct Prior {
-  std::vector<double> reference;      ///< elements-only displacement per local vertex [m]
-  std::vector<double> energy_release; ///< -dPi/da of each tip [J/m^2]
-};
-
 /// Running values that a restarted run needs.
 struct RecorderNotes {
   NamedNumbers numbers;
@@ -23,10 +18,11 @@ struct RecorderNotes {
 class Recorder {
 public:
   explicit Recorder(RunFiles& files) : files_(files), options_(files.options) {}
-  void built(const scene::Standing& scene);
+  /// @param d on the mesh; outlives this, or until the next takes its place
+  void built(mesh::Mesh& mesh, const scene::Discretisation& d);
   /// What is booked by row goes on in another scene.
   /// @param u, internal_force of its owned components at the load accepted last [m, N]
-  void take_scene(const scene::Standing& scene, double load, std::vector<double> u,
+  void take_scene(mesh::Mesh& mesh, const scene::Discretisation& d, double load, std::vector<double> u,
                   std::span<const double> internal_force);
   void book_change(double energy) { converted_ += energy; } ///< that a change of layout brought, of all ranks [J]
   void accept(const solve::Step& step, Vec u, const solve::StaticDriver& driver, const Prior& prior);

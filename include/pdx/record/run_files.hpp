@@ -57,7 +57,7 @@ public:
   /// Sums per held part and direction of one value per owned component, sets left out [N].
   std::vector<double> reactions(std::span<const double> force) const;
 
-  bool grows() const { return scene.d->fracture != nullptr; }
+  bool grows() const { return scene.model->fracture != nullptr; }
   MPI_Comm comm() const { return comm_; }
   const options::SceneOptions& options;
   scene::Standing scene;

@@ -35,6 +35,10 @@ public:
   /// Another stands in its place, and a driver has taken over its state: books the energy that came or went.
   void take_scene(const scene::Standing& scene, const solve::TimeDriver& driver,
                   std::optional<scene::CrackNotes> cracks);
+  /// Steps have become shorter: a given length is kept no more, which is worth a warning. @param before their length
+  /// [s]
+  /// @param limit of stable steps now [s]
+  void tell_shorter(const solve::TimeDriver& driver, double before, double limit);
   /// Running values that a restarted run needs, by name.
   using Notes = std::map<std::string, double>;
   Notes notes() const;
@@ -60,7 +64,7 @@ private:
 
   RunFiles& files_;
   const scene::Model* d_ = nullptr;
-  scene::Model::Tiles tiles_, cells_; // of scenes that are gone
+  scene::Tiles tiles_, cells_; // of scenes that are gone
   std::optional<SectionWatch> sections_;
   std::unique_ptr<CrackWatch> cracks_; // null where no crack can grow from a given tip
   scene::StepLimits limits_;

@@ -18,7 +18,7 @@ std::optional<std::size_t> patch_at(const scene::PatchPlan& plan, const Vector<2
 
 /// J and modes of a tip by what the options ask for: none if the tip is in no patch. All are collective.
 ///@{
-/// @param density of Discretisation::energy_density, or as many zeros where only places are judged [J/m^3]
+/// @param density of `adapt::energy_density`, or as many zeros where only places are judged [J/m^3]
 std::vector<post::ContourJ> contour_j(const Solved& s, const crack::Tip& tip, std::span<const double> density);
 std::vector<post::TipModes> contour_modes(const Solved& s, const crack::Tip& tip, const post::SideOfCrack& side,
                                           std::span<const post::ContourJ> contours);

@@ -24,40 +24,45 @@ template <int Dim> mesh::CellCost cell_cost(const CloudPlan<Dim>& plan);
 template <int Dim>
 std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const CloudPlan<Dim>& plan, pd::Particles& swarm);
 
-/// Particles that lie anywhere, in the plane or in space: rows, bonds and conditions, ready to be stepped explicitly.
-struct CloudModel : Model {
-  std::string description; ///< that a checkpoint of the same cloud shares
-  std::vector<Index> sets; ///< of the owned particles
+/// Particles that lie anywhere, in the plane or in space, and their bonds.
+template <int Dim> class CloudPart final : public Part {
+public:
+  /// @param model outlives this, as its Term does
+  CloudPart(const Model& model, pd::CloudTerm<Dim>& bonds, std::string description, std::vector<Index> sets)
+      : model_(model), bonds_(bonds), description_(std::move(description)), sets_(std::move(sets))
+  {}
+  const Model& model() const { return model_; }
+  const pd::CloudTerm<Dim>& bonds() const { return bonds_; }
 
-  virtual std::vector<double> positions() const = 0; ///< of the owned particles, three each [m]
-  virtual std::vector<double> volumes() const = 0;   ///< likewise [m^3]
-  virtual std::vector<pd::BondedVolume> bonded_volume() const = 0;
-  virtual int words_per_particle() const = 0; ///< the two below as CloudTerm's
-  virtual std::vector<std::uint64_t> gone() const = 0;
-  virtual void set_gone(std::span<const std::uint64_t> words) = 0;
-  Tiles tiles() const override { return {}; }
+  void add_names(std::vector<field::RowName>& names) const override;
+  void add_numbers(std::vector<PetscInt>& first) const override;
+  void add_energies(std::span<const double> local, post::Energies& mine) const override;
+  void add_blocks(const Picture& now, std::vector<field::OutputBlock>& blocks) const override;
+  std::string described() const override { return "cloud = " + description_ + "\n"; }
+  std::string counted(const options::SceneOptions& options) const override;
+  bool works_in(const field::Term& term) const override { return &term == &bonds_; }
+  void add_shares(std::vector<double>& cells) const override;
+  int words_per_particle() const override { return bonds_.words_per_particle(); }
+  std::vector<std::uint64_t> gone() const override { return bonds_.gone(); }
+  void break_bonds(const BrokenBonds& broken) override { bonds_.set_gone(broken.mine); }
+
+private:
+  const Model& model_;
+  pd::CloudTerm<Dim>& bonds_;
+  std::string description_; // that a checkpoint of the same cloud shares
+  std::vector<Index> sets_; // of the owned particles
 };
 
-template <int Dim> struct CloudBody final : CloudModel {
-  pd::CloudTerm<Dim>* bonds = nullptr; ///< borrowed from system.terms
-
-  post::Energies energies(std::span<const double> local) const override;
-  std::vector<double> positions() const override;
-  std::vector<double> volumes() const override { return {bonds->volumes().begin(), bonds->volumes().end()}; }
-  std::vector<pd::BondedVolume> bonded_volume() const override { return bonds->bonded_volume(); }
-  int words_per_particle() const override { return bonds->words_per_particle(); }
-  std::vector<std::uint64_t> gone() const override { return bonds->gone(); }
-  void set_gone(std::span<const std::uint64_t> words) override { bonds->set_gone(words); }
-};
-
-/// Collective. Throws UserError for conditions and cracks that are nowhere in the cloud, and for one without bonds.
+/// Rows, bonds and conditions of a cloud, ready to be stepped explicitly; its one part is a CloudPart. Collective.
+/// Throws UserError for conditions and cracks that are nowhere in the cloud, and for one without bonds.
 template <int Dim>
-std::unique_ptr<CloudBody<Dim>> discretise(MPI_Comm comm, const options::SceneOptions& options,
-                                           const CloudPlan<Dim>& plan, std::vector<pd::Particle> particles);
+std::unique_ptr<Model> discretise(MPI_Comm comm, const options::SceneOptions& options, const CloudPlan<Dim>& plan,
+                                  std::vector<pd::Particle> particles);
 
-/// Turns the boundary conditions into prescribed components and loads of `body.system`; they act on the particles of a
+/// Turns the boundary conditions into prescribed components and loads of a cloud; they act on the particles of a
 /// box, which reaches through the body, of a set, or of both. Collective. Throws UserError for a place that selects
 /// nothing.
 template <int Dim>
-void apply_conditions(const options::SceneOptions& options, const pd::Cloud<Dim>& cloud, CloudBody<Dim>& body);
+void apply_conditions(const options::SceneOptions& options, const pd::Cloud<Dim>& cloud,
+                      const pd::CloudTerm<Dim>& bonds, Model& model);
 } // namespace pdx::scene

@@ -24,13 +24,12 @@ struct Discretisation final : Model {
   pd::BondTerm<2>* bonds = nullptr;                ///< null without patches
   couple::CarriedBonds<2>* carried = nullptr;      ///< null without an interface
   std::unique_ptr<couple::LooseParts> loose_parts; ///< null in time, where nothing must be held
-  couple::Fracture* fracture = nullptr;            ///< borrowed from system.after; null in time or if nothing can break
+  const PatchPlan* patch_plan = nullptr;           ///< outlives this
   std::int64_t bonds_at_start = 0;                 ///< of all ranks, after the cracks that were given
 
   /// Of bodies of material points; null or empty where there are none.
   ///@{
   const PointPlan<2>* point_plan = nullptr; ///< outlives this
-  const PatchPlan* patch_plan = nullptr;    ///< likewise
   mpm::PointTerm<2>* points = nullptr;      ///< null too where patches cover them all
   std::vector<CellOfBody<2>> point_cells;   ///< those of `points`
   std::vector<std::uint8_t> stays;          ///< per local cell: particles cannot take it
@@ -38,22 +37,6 @@ struct Discretisation final : Model {
   ///@}
   std::vector<std::uint8_t> side_held; ///< per owned component of nodes: held, and particles there would not be as well
   adapt::SceneView view(const mesh::Mesh& mesh) const; ///< there are patches
-  post::Energies energies(std::span<const double> local) const override;
-  Tiles tiles() const override { return bonds ? Tiles{bonds->tiles_computed(), bonds->tiles_skipped()} : Tiles{}; }
-  Tiles cells_of_points() const override
-  {
-    return points ? Tiles{points->cells_computed(), points->cells_skipped()} : Tiles{};
-  }
-  /// Strain energy density per owned row, bonds that leave their patch included; 0 where no particle is [J/m^3].
-  std::vector<double> energy_density(std::span<const double> local) const;
-  /// Fields of the material points that no patch covers. Collective.
-  field::OutputBlock point_fields(const mesh::Mesh& mesh, std::span<const double> local,
-                                  std::span<const double> velocity) const;
-  /// Of the nodes of grids of points, this rank's part; 0 without bodies of points [J].
-  double kinetic_of_points(std::span<const double> velocity) const;
-  std::vector<io::Column> more_columns() const override;
-  void add_more(std::span<const double> local, std::span<const double> velocity,
-                std::vector<double>& row) const override;
   /// Displacement of every local vertex, 2 each [m]. Collective.
   std::vector<double> vertex_displacement(Vec u) const;
 };

@@ -25,4 +25,7 @@ void add_bodies(const mesh::Mesh& mesh, const options::SceneOptions& options, Di
 
 /// Begins the books of the bodies. Collective, once the system is bound.
 void keep_books(Discretisation& d);
+
+/// The bodies of points of such a scene, which outlives it, whether patches cover all of them or not.
+std::unique_ptr<Part> mixed_part(const mesh::Mesh& mesh, const Discretisation& d);
 } // namespace pdx::scene

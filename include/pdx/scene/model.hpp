@@ -1,12 +1,11 @@
 #pragma once
+#include "pdx/couple/fracture.hpp"
 #include "pdx/couple/step_breaker.hpp"
-#include "pdx/field/output_field.hpp"
 #include "pdx/field/system.hpp"
-#include "pdx/io/curve.hpp"
-#include "pdx/options/scene_options.hpp"
 #include "pdx/pd/particles.hpp"
-#include "pdx/post/energy_ledger.hpp"
 #include "pdx/scene/body_books.hpp"
+#include "pdx/scene/part.hpp"
+#include "pdx/xfem/enriched_sets.hpp"
 
 #include <map>
 #include <nlohmann/json_fwd.hpp>
@@ -42,7 +41,7 @@ public:
 };
 
 /// A scene with its rows, Terms and conditions, in the plane or in space: all that stepping through time and recording
-/// ask of it.
+/// ask of it, whatever parts it is made of.
 struct Model {
   Model() = default;
   virtual ~Model() = default;
@@ -52,47 +51,37 @@ struct Model {
   crack::CrackSet cracks;
   geom::Box<2> body; ///< in the plane, that the cracks are in [m]
   field::System system;
-  std::vector<pd::Particle> particles;    ///< owned, in order of rows
+  std::vector<std::unique_ptr<Part>> parts; ///< in order of their rows
+  std::vector<pd::Particle> particles;      ///< owned, in order of rows
   couple::BondBreaker* breaker = nullptr; ///< borrowed from system.after_step; null in statics or if nothing can break
+  couple::Fracture* fracture = nullptr;   ///< borrowed from system.after; null in time or if nothing can break
   std::vector<double> critical_stretch;   ///< per patch [-]; empty if nothing can break
   std::vector<HeldPart> held_parts;
-  Index ghosts = 0;                 ///< on all ranks [-]
-  std::int64_t material_points = 0; ///< likewise
+  const xfem::CutReport* cut = nullptr; ///< what cracks did to elements; null where there are none
+  Index ghosts = 0;                     ///< on all ranks [-]
+  std::int64_t material_points = 0;     ///< likewise
+  std::unique_ptr<BodyLedger> bodies;   ///< null where bodies are not told apart
+  std::unique_ptr<Touching> touching;   ///< null where nothing touches
+
+  bool breaks() const { return breaker || fracture; }
+  bool has_points() const; ///< some part is of material points
+  bool has_others() const; ///< some part is not
 
   /// This rank's strain energies at local blocks u [J]. Collective.
-  virtual post::Energies energies(std::span<const double> local) const = 0;
+  post::Energies energies(std::span<const double> local) const;
+  double kinetic_of_points(std::span<const double> velocity) const; ///< as `Part::own_kinetic`, of all parts
+  std::optional<Tiles> tiles() const;                               ///< of all parts; none where no part has them
+  Tiles cells_of_points() const;                                    ///< likewise
+  std::vector<field::OutputBlock> blocks(const Picture& now) const; ///< Collective.
+  std::string described() const;
 
-  /// Tiles of bonds in all passes in lane strips so far, this rank.
-  struct Tiles {
-    std::int64_t computed = 0, skipped = 0;
-    Tiles& operator+=(const Tiles& more)
-    {
-      computed += more.computed;
-      skipped += more.skipped;
-      return *this;
-    }
-  };
-  virtual Tiles tiles() const = 0;
-  /// Cells of material points on a grid that is kept, in all passes so far, this rank.
-  virtual Tiles cells_of_points() const { return {}; }
-
-  std::unique_ptr<BodyLedger> bodies; ///< null where bodies are not told apart
-  std::unique_ptr<Touching> touching; ///< null where nothing touches
-
-  /// What history.csv says of this kind of scene besides. @param local displacement, with its halo [m]
-  /// @param velocity of owned components [m/s]   The last is collective.
+  /// What history.csv says of it besides. @param velocity of owned components [m/s]   The last is collective.
   ///@{
-  virtual std::vector<io::Column> more_columns() const
-  {
-    return bodies ? bodies->more_columns() : std::vector<io::Column>{};
-  }
-  virtual void add_more(std::span<const double> local, std::span<const double> velocity, std::vector<double>& row) const
-  {
-    if (bodies) bodies->add_more(local, velocity, row);
-  }
+  std::vector<io::Column> more_columns() const;
+  void add_more(std::span<const double> local, std::span<const double> velocity, std::vector<double>& row) const;
   ///@}
 
-  /// What of the sums since the start is this kind of scene's: `Touching::sums`.
+  /// What of the sums since the start is this scene's: `Touching::sums`.
   ///@{
   std::vector<double> rank_sums() const { return touching ? touching->sums() : std::vector<double>{}; }
   void resume_sums(std::span<const double> sums) const

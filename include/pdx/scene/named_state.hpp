@@ -7,8 +7,6 @@
 #include "pdx/scene/scene_names.hpp"
 #include "pdx/solve/time_driver.hpp"
 
-#include <set>
-
 namespace pdx::scene {
 /// What a CrackWatch has seen, by names of particles.
 struct NamedCracks {
@@ -82,18 +80,7 @@ public:
   void require_fit() const;
 
 private:
-  /// Particles of all that lost bonds: few, where all have names.
-  struct Torn {
-    std::vector<field::RowName> names;
-    std::vector<std::uint64_t> gone;
-    /// Of any particles. Collective.
-    std::vector<std::uint64_t> words_of(MPI_Comm comm, std::span<const field::RowName> wanted, int width) const;
-  };
-  Torn torn_particles() const;
   Misfit misfit_of() const;
-  void break_joined() const;
-  std::vector<std::uint64_t> broken_carried() const;
-  std::set<std::uint64_t> parted_bonds() const;
 
   const NamedState& state_;
   Standing scene_;

@@ -6,7 +6,7 @@ namespace pdx::scene {
 /// What is odd but allowed about a cloud, a line each: particles without a bond, particles so near to each other that
 /// they rule the step, bonds across gaps. The same on every rank. Collective.
 template <int Dim>
-std::vector<std::string> cloud_warnings(const options::SceneOptions& options, const CloudBody<Dim>& body);
+std::vector<std::string> cloud_warnings(const options::SceneOptions& options, const CloudPart<Dim>& body);
 
 /// Throws UserError for a body of one row of particles. @param count particles along each axis, layers included
 template <std::size_t Dim> void require_rows(const options::SceneOptions& options, const std::array<Index, Dim>& count);

@@ -1,24 +1,10 @@
 #pragma once
-#include "pdx/field/output_field.hpp"
-#include "pdx/field/row_name.hpp"
 #include "pdx/mpm/point_term.hpp"
 #include "pdx/scene/model.hpp"
 #include "pdx/scene/point_output.hpp"
 #include "pdx/scene/point_plan.hpp"
 
 namespace pdx::scene {
-/// Bodies of material points, in the plane or in space: rows, Terms and conditions, ready to be stepped.
-struct PointModel : Model {
-  std::string description;                ///< that a checkpoint of the same bodies shares
-  std::vector<field::RowName> node_names; ///< of the owned rows
-
-  /// Fields of the owned points. @param local displacement [owned | halo] [m]   @param velocity likewise [m/s]
-  virtual field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const = 0;
-  /// The same at a vector of displacements. Collective. @param velocity of owned components [m/s]
-  std::vector<field::OutputBlock> blocks(Vec u, std::span<const double> velocity) const;
-  Tiles tiles() const override { return {}; }
-};
-
 /// How the bodies of a plan stand in the rows of a mesh, as one rank sees it.
 template <int Dim> struct PointRows {
   /// A cell of a body's grid with points in it, and the global rows of its corners, x fastest.
@@ -41,31 +27,55 @@ template <int Dim> struct PointRows {
   PointRows(const PointPlan<Dim>& plan, const mesh::Mesh& mesh);
 };
 
-template <int Dim> struct PointBody : PointModel {
-  PointBody(const PointPlan<Dim>& filled, const mesh::Mesh& mesh) : plan(filled), grid(filled, mesh) {}
-
-  const PointPlan<Dim>& plan; ///< outlives this
-  PointRows<Dim> grid;
-  mpm::PointTerm<Dim>* term = nullptr; ///< borrowed from system.terms
-
-  std::vector<CellOfBody<Dim>> owned_cells() const; ///< with points, in order of the mesh
-  Tiles cells_of_points() const override { return {term->cells_computed(), term->cells_skipped()}; }
-  BodyRows rows_of_bodies() const;
-
-  post::Energies energies(std::span<const double> local) const override;
-  field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const override;
-};
-
-/// Collective. Throws UserError for conditions that are nowhere.
-/// @param plan outlives the body
-template <int Dim>
-std::unique_ptr<PointBody<Dim>> discretise(const options::SceneOptions& options, const PointPlan<Dim>& plan,
-                                           const mesh::Mesh& mesh);
-
 /// What the bodies of a plan share with those that a checkpoint is of.
 template <int Dim> std::string described(const PointPlan<Dim>& plan);
 
-/// Turns the boundary conditions into prescribed components and loads of `body.system`; they act on nodes of the grids
+/// Adds how many points of a plan each owned cell of the mesh holds.
+template <int Dim>
+void add_point_shares(const PointPlan<Dim>& plan, const mesh::Mesh& mesh, std::vector<double>& cells);
+
+/// Bodies of material points, in the plane or in space.
+template <int Dim> struct PointBody : Part {
+  PointBody(const PointPlan<Dim>& filled, const mesh::Mesh& background, Model& of)
+      : plan(filled), mesh(background), model(of), grid(filled, background), description(scene::described<Dim>(filled))
+  {}
+
+  const PointPlan<Dim>& plan; ///< all three outlive this
+  const mesh::Mesh& mesh;
+  Model& model;
+  PointRows<Dim> grid;
+  mpm::PointTerm<Dim>* term = nullptr; ///< borrowed from the model
+  std::string description;             ///< that a checkpoint of the same bodies shares
+
+  std::vector<CellOfBody<Dim>> owned_cells() const; ///< with points, in order of the mesh
+  BodyRows rows_of_bodies() const;
+
+  void add_names(std::vector<field::RowName>& names) const override;
+  void add_numbers(std::vector<PetscInt>& first) const override;
+  void add_energies(std::span<const double> local, post::Energies& mine) const override;
+  bool is_of_points() const override { return true; }
+  void add_blocks(const Picture& now, std::vector<field::OutputBlock>& blocks) const override;
+  std::string described() const override { return "points = " + description + "\n"; }
+  void add_columns(std::vector<io::Column>& columns) const override;
+  void add_row(std::span<const double> local, std::span<const double> velocity,
+               std::vector<double>& row) const override;
+  Tiles cells() const override { return {term->cells_computed(), term->cells_skipped()}; }
+  bool works_in(const field::Term&) const override { return true; } ///< contact between bodies, too
+  void add_shares(std::vector<double>& cells) const override { add_point_shares(plan, mesh, cells); }
+
+protected:
+  /// Fields of the owned points. @param local displacement [owned | halo] [m]   @param velocity likewise [m/s]
+  virtual field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const;
+};
+
+/// Rows, Terms and conditions of bodies, ready to be stepped; the one part is a PointBody. Collective. Throws UserError
+/// for conditions that are nowhere.
+/// @param plan, mesh outlive the result
+template <int Dim>
+std::unique_ptr<Model> discretise(const options::SceneOptions& options, const PointPlan<Dim>& plan,
+                                  const mesh::Mesh& mesh);
+
+/// Turns the boundary conditions into prescribed components and loads of `body.model`; they act on nodes of the grids
 /// that lie on a side or in a box, which reaches through space, and loads on the points there or all. Collective.
 /// Throws UserError for a place that selects nothing, and for a side that lies within cells.
 template <int Dim> void apply_conditions(const options::SceneOptions& options, PointBody<Dim>& body);

@@ -44,6 +44,10 @@ public:
   virtual StepLimits limits() = 0; ///< Collective.
   /// What can be asked to move the patches; throws std::logic_error where there are none that move.
   virtual adapt::SceneView view() const { throw std::logic_error("a scene without patches that move"); }
+  virtual const PatchPlan& patches() const
+  {
+    throw std::logic_error("a scene without patches that move");
+  } ///< likewise
   /// Another layout on the same mesh takes the place of this one. Collective.
   virtual void change(const Layout&) { throw std::logic_error("a scene without patches that move"); }
   virtual std::vector<std::string> warnings() { return {}; }
@@ -53,13 +57,9 @@ public:
 /// does not fit, Stopped when a signal came.
 using SceneMaker = std::function<std::unique_ptr<Scene>(const Layout& layout, const mesh::MeasuredCosts* costs)>;
 
-SceneMaker plane_scene(MPI_Comm comm, const options::SceneOptions& options);
-SceneMaker solid_scene(MPI_Comm comm, const options::SceneOptions& options);
-/// Reads the file and moves cloud and options into its frame. Collective.
-SceneMaker cloud_scene(MPI_Comm comm, options::SceneOptions& options);
-/// Bodies of material points beside elements and particles, in the plane. Fills them, reads the mesh, and moves the
-/// options into the frame of all. Collective.
-SceneMaker mixed_scene(MPI_Comm comm, options::SceneOptions& options);
-/// Fills the bodies of material points and moves the options into their frame. Collective.
-SceneMaker point_scene(MPI_Comm comm, options::SceneOptions& options);
+/// The scene in time that the options are about: bodies of material points alone, on grids that stay or are made anew,
+/// or beside elements and particles in the plane; a cloud; a solid; elements and patches in the plane. Fills bodies and
+/// reads clouds, and moves the options into the frame of what they are about. Collective. @param options outlive the
+/// result
+SceneMaker scene_in_time(MPI_Comm comm, options::SceneOptions& options);
 } // namespace pdx::scene

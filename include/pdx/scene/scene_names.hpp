@@ -1,5 +1,4 @@
 #pragma once
-#include "pdx/field/row_name.hpp"
 #include "pdx/scene/standing.hpp"
 
 namespace pdx::scene {
@@ -11,16 +10,12 @@ public:
 
   std::span<const field::RowName> rows() const { return rows_; } ///< owned, in their order
   std::span<const field::RowName> particles() const;             ///< the last of them
-  /// @param site as `pd::Particle::site`
-  field::RowName particle(Index patch, Index site) const;
 
-  /// Whether a CrackWatch looks at owned particle k: in a solid at those of the middle layer.
+  /// Whether a CrackWatch looks at owned particle k.
   bool is_watched(std::size_t k) const;
 
 private:
-  void add_particles();
-
-  Standing scene_;
+  const Model& model_;
   std::vector<field::RowName> rows_;
 };
 } // namespace pdx::scene

@@ -1,5 +1,6 @@
 #pragma once
-#include "pdx/scene/standing.hpp"
+#include "pdx/options/scene_options.hpp"
+#include "pdx/scene/patches.hpp"
 
 namespace pdx::scene {
 /// What is odd but allowed in the options alone, a line each: what acts in time where nothing moves, a scene that
@@ -12,7 +13,4 @@ std::string row_warning(const options::SceneOptions& options, const PatchPlan& p
 /// Says that displacements are beyond what small strains mean; empty for a plausible one.
 /// @param largest component [m]   @param body the box around it [m]
 std::string size_warning(const options::SceneOptions& options, double largest, const geom::Box<2>& body);
-
-/// Bonds, horizons and families of a scene in one line; empty without particles. Collective.
-std::string bonds_line(MPI_Comm comm, const options::SceneOptions& options, const Standing& scene);
 } // namespace pdx::scene

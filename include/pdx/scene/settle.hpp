@@ -11,6 +11,7 @@ void move_into(const geom::Frame& frame, double finest, options::SceneOptions& o
 double read_elements(MPI_Comm comm, mesh::MeshOptions& mesh);
 
 /// Reads the mesh file, if there is one, and moves the scene into the frame of its body. Collective. Throws UserError,
-/// alike on every rank, for a bad file and for a body so far out that numbers do not tell its parts apart.
+/// alike on every rank, for a bad file and for a body so far out that numbers do not tell its parts apart. Clouds and
+/// bodies of points are moved as they are read and filled (`scene_in_time`).
 void settle(MPI_Comm comm, options::SceneOptions& options);
 } // namespace pdx::scene

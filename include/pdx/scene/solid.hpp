@@ -1,5 +1,4 @@
 #pragma once
-#include "pdx/pd/bond_term.hpp"
 #include "pdx/scene/model.hpp"
 #include "pdx/scene/patches.hpp"
 
@@ -23,20 +22,13 @@ mesh::CellCost cell_cost(const SolidPlan& plan);
 /// Collective.
 std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const SolidPlan& plan, pd::Particles& swarm);
 
-/// Rows, Terms and conditions of a solid, ready to be stepped explicitly.
-struct Solid final : Model {
-  pd::BondTerm<3>* bonds = nullptr; ///< borrowed from system.terms
-
-  post::Energies energies(std::span<const double> local) const override;
-  Tiles tiles() const override { return {bonds->tiles_computed(), bonds->tiles_skipped()}; }
-};
-
-/// Collective. Throws UserError for conditions and cracks that are nowhere in the body.
-std::unique_ptr<Solid> discretise(MPI_Comm comm, const options::SceneOptions& options, const SolidPlan& plan,
+/// Rows, Terms and conditions of a solid, ready to be stepped explicitly. Collective. Throws UserError for conditions
+/// and cracks that are nowhere in the body.
+std::unique_ptr<Model> discretise(MPI_Comm comm, const options::SceneOptions& options, const SolidPlan& plan,
                                   std::vector<pd::Particle> particles);
 
-/// Turns the boundary conditions into prescribed components and loads of `solid.system`. On sides left and right (x),
+/// Turns the boundary conditions into prescribed components and loads of `solid`. On sides left and right (x),
 /// bottom and top (y), back and front (z); boxes reach through the thickness. Collective. Throws UserError for an
 /// unknown side and a place that selects nothing.
-void apply_conditions(const options::SceneOptions& options, const geom::Lattice<3>& lattice, Solid& solid);
+void apply_conditions(const options::SceneOptions& options, const geom::Lattice<3>& lattice, Model& solid);
 } // namespace pdx::scene

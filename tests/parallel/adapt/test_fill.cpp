@@ -38,7 +38,7 @@ Field quadratic()
 /// Names of all particles, of all ranks.
 std::set<std::uint64_t> names_of(const test::Scene& scene, scene::Discretisation& d)
 {
-  const scene::Standing standing(const_cast<mesh::Mesh*>(&scene.mesh()), &scene.plan(), &d);
+  const scene::Standing standing{const_cast<mesh::Mesh*>(&scene.mesh()), &d};
   const scene::SceneNames names(standing);
   std::vector<std::uint64_t> mine;
   for (const field::RowName name : names.particles()) mine.push_back(name.value());

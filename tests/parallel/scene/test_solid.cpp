@@ -95,7 +95,7 @@ private:
   pd::Particles swarm_;
 
 public:
-  std::unique_ptr<scene::Solid> solid;
+  std::unique_ptr<scene::Model> solid;
   std::unique_ptr<solve::ExplicitDriver> driver;
 };
 

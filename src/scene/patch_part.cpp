@@ -1,0 +1,207 @@
+#include "particle_part.hpp"
+#include "pdx/scene/layout.hpp"
+#include "pdx/scene/scene_warnings.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <set>
+
+namespace pdx::scene {
+namespace {
+/// What is active on either of two pieces of one lattice, as the first counts its sites.
+geom::SiteSet<2> united(const track::TreeGround& ground, const couple::PatchShape& shape)
+{
+  std::vector<geom::SiteSet<2>::Corners> boxes;
+  const auto add = [&boxes](const geom::SiteSet<2>& set, const Site<2>& shift) {
+    for (const geom::SiteRun<2>& run : set.runs()) {
+      const Site<2> first{run.first[0] + shift[0], run.first[1] + shift[1]};
+      boxes.push_back({first, {first[0] + run.length, first[1] + 1}});
+    }
+  };
+  const auto away = [&](std::size_t d) { return static_cast<Index>(shape.names.first[d] - ground.names.first[d]); };
+  add(ground.where.active, {0, 0});
+  add(shape.active, {away(0), away(1)});
+  return geom::SiteSet<2>(boxes);
+}
+
+/// Patches of a scene in the plane, and the bonds by which elements carry their ends.
+class PatchPart final : public ParticlePart<2> {
+public:
+  PatchPart(const mesh::Mesh& mesh, const Discretisation& d)
+      : ParticlePart<2>(d, *d.bonds, d.carried), mesh_(mesh), plan_(*d.patch_plan)
+  {}
+
+  /// Sites that follow each other in a run have names that do.
+  void add_names(std::vector<field::RowName>& names) const override
+  {
+    const std::span<const pd::Particle> particles = model_.particles;
+    names.reserve(names.size() + particles.size());
+    Index left = 0;         // of the run, behind the particle before
+    std::uint64_t step = 1; // from one name of the run to the next
+    for (std::size_t k = 0; k < particles.size(); ++k) {
+      const auto& [patch, site, cell, x] = particles[k];
+      if (left > 0 && patch == particles[k - 1].patch && site == particles[k - 1].site + 1) {
+        names.push_back(field::RowName::particle(names.back().key() + step));
+        --left;
+        continue;
+      }
+      names.push_back(name(static_cast<std::size_t>(patch), site));
+      const couple::PatchShape& shape = shape_of(particles[k]);
+      const Site<2> at = shape.active.site(site);
+      left = shape.active.end_of_run(at) - at[0] - 1;
+      step = static_cast<std::uint64_t>(shape.names.lattices);
+    }
+  }
+
+  void add_numbers(std::vector<PetscInt>& first) const override
+  {
+    for (const couple::PatchShape& shape : plan_.shapes)
+      first.push_back(first.back() + static_cast<PetscInt>(shape.active.size()));
+  }
+
+  std::string described() const override
+  {
+    std::string text;
+    for (std::size_t p = 0; p < plan_.shapes.size(); ++p) {
+      const couple::PatchShape& shape = plan_.shapes[p];
+      text += fmt::format("patch {} = ", p + 1) + line_of<2>(shape.lattice, plan_.stencils[p].half.size());
+      for (const geom::Box<2>& box : shape.boxes)
+        if (!shape.active.is_box())
+          text += fmt::format("box of patch {} = {} {} {} {}\n", p + 1, box.lower[0], box.lower[1], box.upper[0],
+                              box.upper[1]);
+    }
+    return text;
+  }
+
+  std::string warning(const options::SceneOptions& options) const override { return row_warning(options, plan_); }
+
+  bool carries_bonds() const override { return carried_ != nullptr; }
+  std::vector<std::uint64_t> broken_carried() const override
+  {
+    return carried_ ? carried_->broken() : std::vector<std::uint64_t>{};
+  }
+  void break_bonds(const BrokenBonds& broken) override
+  {
+    ParticlePart<2>::break_bonds(broken);
+    if (broken.changed && broken.carried) break_joined(*broken.carried);
+    if (carried_) carried_->set_broken(broken.changed ? broken_now(broken) : *broken.carried);
+  }
+
+  /// The lattices that particles lie on, each once.
+  std::vector<track::TreeGround> grounds(const options::SceneOptions& given) const override
+  {
+    const options::SceneOptions options = Layout::given(given).in(given);
+    std::vector<track::TreeGround> grounds;
+    for (const couple::PatchShape& shape : patch_shapes(options)) {
+      const auto known = std::ranges::find_if(
+          grounds, [&](const track::TreeGround& ground) { return ground.names.lattice == shape.names.lattice; });
+      if (known == grounds.end())
+        grounds.push_back({{shape.lattice, shape.active}, options.pd.horizon_ratio * shape.lattice.dx, shape.names});
+      else
+        known->where.active = united(*known, shape);
+    }
+    return grounds;
+  }
+
+  Watched watched() const override
+  {
+    couple::ParticleDamage all = damage();
+    for (std::size_t k = 0; k < all.damage.size(); ++k) all.damage[k] += all.precrack[k];
+    return {std::move(all.damage), [this](std::size_t k) {
+              const pd::Particle& particle = model_.particles[k];
+              return name(static_cast<std::size_t>(particle.patch), particle.site).key();
+            }};
+  }
+
+  std::vector<SeenParticle> seen() const override
+  {
+    const couple::ParticleDamage all = damage();
+    std::vector<SeenParticle> seen;
+    for (std::size_t k = 0; k < model_.particles.size(); ++k) {
+      const pd::Particle& particle = model_.particles[k];
+      const couple::PatchShape& shape = shape_of(particle);
+      const Site<2> site = shape.active.site(particle.site);
+      seen.push_back({mesh_.body(particle.cell),
+                      shape.names.lattice,
+                      {shape.names.first[0] + site[0], shape.names.first[1] + site[1]},
+                      all.damage[k],
+                      all.precrack[k],
+                      particle.x,
+                      shape.lattice.dx});
+    }
+    return seen;
+  }
+
+private:
+  const couple::PatchShape& shape_of(const pd::Particle& particle) const
+  {
+    return plan_.shapes[static_cast<std::size_t>(particle.patch)];
+  }
+
+  field::RowName name(std::size_t patch, Index site) const override
+  {
+    const couple::PatchShape& shape = plan_.shapes[patch];
+    return field::RowName::particle(shape.names.of(shape.active.site(site)));
+  }
+
+  /// Bonds that left their patch when they broke, and lie in it now.
+  void break_joined(const std::vector<std::uint64_t>& carried) const
+  {
+    for (std::size_t p = 0; p < bonds_.parts().size(); ++p) {
+      std::vector<pd::LatticePart<2>::BondAt> within;
+      const pd::LatticePart<2>& part = *bonds_.parts()[p];
+      for (const std::uint64_t key : carried) {
+        const auto bond = couple::lattice_bond(key, plan_.shapes[p].names, part.stencil());
+        if (bond && part.active().has(bond->lower) && part.begins(bond->lower, bond->arm)) within.push_back(*bond);
+      }
+      if (!within.empty()) bonds_.set_gone(p, within);
+    }
+  }
+
+  /// Bonds of which some part had broken that elements carried.
+  std::set<std::uint64_t> parted_bonds(const std::vector<std::uint64_t>& carried) const
+  {
+    std::set<std::uint64_t> bonds;
+    for (const std::uint64_t key : carried)
+      for (std::size_t p = 0; p < plan_.shapes.size(); ++p)
+        if (const auto bond = couple::lattice_bond(key, plan_.shapes[p].names, plan_.stencils[p])) {
+          bonds.insert(plan_.shapes[p].names.of(bond->lower) * pd::kMaxHalfArms + bond->arm);
+          break;
+        }
+    return bonds;
+  }
+
+  /// Keys of the carried bonds that are broken under another layout: those that were carried then, and those that lay
+  /// in a patch. Lines are parted elsewhere: of a bond with a broken part no part heals.
+  std::vector<std::uint64_t> broken_now(const BrokenBonds& before) const
+  {
+    std::vector<std::uint64_t> keys;
+    std::vector<std::size_t> arms;
+    std::vector<std::uint64_t> broken = *before.carried;
+    const std::set<std::uint64_t> parted = parted_bonds(*before.carried);
+    std::vector<field::RowName> lower; // ends of the bonds
+    carried_->for_each_key([&](std::uint64_t key, Index patch) {
+      const auto p = static_cast<std::size_t>(patch);
+      const auto [site, arm] = couple::bond_name(key, plan_.shapes[p].names, plan_.stencils[p]);
+      if (parted.contains(site * pd::kMaxHalfArms + arm)) broken.push_back(key);
+      keys.push_back(key);
+      arms.push_back(arm);
+      lower.push_back(field::RowName::particle(site));
+    });
+    const std::vector<std::uint64_t> gone = before.words_of(lower);
+    for (std::size_t k = 0; k < keys.size(); ++k)
+      if (gone[kLatticeWords * k + arms[k] / 64] >> (arms[k] % 64) & 1u) broken.push_back(keys[k]);
+    std::ranges::sort(broken);
+    return broken;
+  }
+
+  const mesh::Mesh& mesh_;
+  const PatchPlan& plan_;
+};
+} // namespace
+
+std::unique_ptr<Part> patch_part(const mesh::Mesh& mesh, const Discretisation& d)
+{
+  return std::make_unique<PatchPart>(mesh, d);
+}
+} // namespace pdx::scene
