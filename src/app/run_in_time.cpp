@@ -123,6 +123,7 @@ private:
     if (mover_.follows() && step % when.adapt_interval == 0)
       change_ =
           mover_.look(scene_.view(), scene_.patches(), files_.scene.model->breaker->mine().bonds, driver().local());
+    if (change_.empty() && mover_.may_hand_back(step)) change_ = mover_.quiet(scene_.view(), driver().local());
     if (mover_.may_contract()) files_.told_if_refused([&] { add_what_lies_behind(); });
     uneven_ = balance_.due(driver()) && change_.empty(); // one after the other: what leaves is told by cells
     const bool renewed = when.renew_interval > 0 && step % when.renew_interval == 0;

@@ -15,6 +15,7 @@
 
 namespace pdx::change {
 namespace {
+constexpr int kLooksUntilQuiet = 8; // at what is quiet, in the steps after which it is handed back
 constexpr double kConnected = 4.0 / 3.0, kDisconnected = 3.0; // horizons, with the trigger connection alone
 
 } // namespace
@@ -82,7 +83,7 @@ std::string PatchMover::border(const adapt::SceneView& scene, const scene::Patch
   return words;
 }
 
-adapt::BulkWatch PatchMover::bulk_watch(const adapt::SceneView& scene) const
+adapt::ConversionRule PatchMover::conversion_rule() const
 {
   const options::Triggers& triggers = options_.layout.triggers;
   const double dx = options_.pd.spacing[0];
@@ -96,12 +97,17 @@ adapt::BulkWatch PatchMover::bulk_watch(const adapt::SceneView& scene) const
   if (triggers.connection) rule.stretch = critical;
   if (triggers.stretch) rule.stretch = triggers.stretch_share * critical;
   if (triggers.connection && triggers.stretch) rule.stretch = std::min(critical, triggers.stretch_share * critical);
+  return rule;
+}
+
+adapt::BulkWatch PatchMover::bulk_watch(const adapt::SceneView& scene) const
+{
   const auto& bodies = options_.points.bodies;
   const auto elastic = [&](Index body) -> const law::Elastic& {
     const auto b = static_cast<std::size_t>(body);
     return b < bodies.size() ? bodies[b].elastic : options_.elastic;
   };
-  return {scene, rule, elastic};
+  return {scene, conversion_rule(), elastic};
 }
 
 std::vector<adapt::LayoutChange::Cover> PatchMover::converted(const adapt::SceneView& scene,
@@ -143,6 +149,18 @@ adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const scene:
   }
   if (options_.layout.triggers.any()) join(change.cover, converted(scene, local));
   if (!change.cover.empty()) ++expansions_;
+  return change;
+}
+
+int PatchMover::quiet_every() const { return std::max(1, options_.layout.hand_back / kLooksUntilQuiet); }
+
+adapt::LayoutChange PatchMover::quiet(const adapt::SceneView& scene, std::span<const double> local)
+{
+  static Event event("adapt_hand_back");
+  const Timed timed(event);
+  adapt::LayoutChange change;
+  const int looks = (options_.layout.hand_back + quiet_every() - 1) / quiet_every();
+  change.uncover = quiet_.look(scene, {conversion_rule(), looks, options_.elastic}, options_.pd.patches, local);
   return change;
 }
 

@@ -9,6 +9,8 @@ namespace pdx::change {
 namespace {
 constexpr const char* kSeenParticles = "/seen_particles"; // names of sites, ascending
 constexpr const char* kSeenDamage = "/seen_damage";       // of each, when patches were looked at last [-]
+constexpr const char* kQuietCells = "/quiet_cells";       // natural numbers, ascending
+constexpr const char* kQuietLooks = "/quiet_looks";       // of each, in a row
 constexpr const char* kExpansions = "/expansions";        // since the last contraction
 struct Record {
   std::uint64_t name;
@@ -34,6 +36,18 @@ void PatchMover::write(io::Hdf5File& file) const
   file.dataset(kSeenParticles, std::span<const std::uint64_t>(names), 1);
   file.dataset(kSeenDamage, std::span<const double>(damage), 1);
   file.dataset(kExpansions, std::span<const double>(expansions), 1);
+  if (options_.layout.hand_back == 0) return;
+  std::vector<std::array<Index, 2>> quiet;
+  for (const auto& [cell, looks] : quiet_.entries()) quiet.push_back({cell, looks});
+  quiet = gather_all(file.comm(), quiet);
+  std::ranges::sort(quiet);
+  std::vector<double> cells, looks;
+  for (std::size_t k = 0; k < quiet.size() && rank == 0; ++k) {
+    cells.push_back(quiet[k][0]);
+    looks.push_back(quiet[k][1]);
+  }
+  file.dataset(kQuietCells, std::span<const double>(cells), 1);
+  file.dataset(kQuietLooks, std::span<const double>(looks), 1);
 }
 
 void PatchMover::read(const io::SealedReader& file)
@@ -49,5 +63,12 @@ void PatchMover::read(const io::SealedReader& file)
   file.require(kExpansions, counts && expansions[0] < 1e9 ? "" : "must hold one whole number from 0 on");
   for (std::size_t k = 0; k < names.size(); ++k) seen_.take(names[k], damage[k]);
   expansions_ = static_cast<int>(expansions[0]);
+  if (options_.layout.hand_back == 0) return;
+  const std::vector<double> cells = file.column(kQuietCells), looks = file.column(kQuietLooks);
+  file.require(kQuietLooks, cells.size() == looks.size() ? "" : "has other rows than there are cells");
+  const auto whole = [](double d) { return d >= 0.0 && d < 2e9 && d == std::floor(d); };
+  file.require(kQuietCells, std::ranges::all_of(cells, whole) ? "" : "has a number that is no cell's");
+  file.require(kQuietLooks, std::ranges::all_of(looks, whole) ? "" : "has a number that counts nothing");
+  for (std::size_t k = 0; k < cells.size(); ++k) quiet_.take(static_cast<Index>(cells[k]), static_cast<int>(looks[k]));
 }
 } // namespace pdx::change

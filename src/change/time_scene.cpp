@@ -45,6 +45,8 @@ TimeScene::Moment TimeScene::moment(const adapt::LayoutChange& change,
   now.known = now.state.rows.size();
   if (change.empty()) return now;
   now.momentum = driver_->moving().momentum(driver_->v());
+  if (driver_->moving().system.rows.dim == 2)
+    now.angular = solve::angular_momentum(driver_->moving(), driver_->local(), driver_->v());
   std::vector<double> v;
   driver_->moving().system.halo->fetch(driver_->v(), driver_->moving().system.rows.dim, v);
   const std::span<const double> fields[] = {driver_->local(), v};
@@ -84,6 +86,7 @@ std::optional<scene::CrackNotes> TimeScene::take(Moment moment, const adapt::Lay
     const std::span<double> fields[] = {moving.u, moving.v};
     if (!change.uncover.empty()) adapt::fit_sets(scene_->view(), moment.left, is_new, fields);
     solve::keep_momentum(driver_->moving(), is_new, moment.momentum, moving.v);
+    solve::keep_angular_momentum(driver_->moving(), is_new, moment.angular, moving.u, moving.v);
     driver_->resume_changed(moment.clock, moving);
   }
   const scene::Model& model = *scene_->standing().model;

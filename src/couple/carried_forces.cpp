@@ -13,6 +13,17 @@ template <int Dim> void CarriedBonds<Dim>::bind(const field::RowHalo& halo)
   fill_lanes();
 }
 
+template <int Dim> void CarriedBonds<Dim>::add_mass(std::span<double> mass) const
+{
+  for (const CarriedBond<Dim>& bond : bonds_) {
+    if (bond.handed == 0.0) continue;
+    for (const auto& [point, sign] : {std::pair{bond.a, -1.0}, std::pair{bond.b, 1.0}})
+      for (std::size_t k = 0; k < points_.rows(point).size(); ++k)
+        if (const Index row = points_.rows(point)[k]; row < rows_.owned())
+          mass[static_cast<std::size_t>(row)] += sign * points_.tied_weights(point)[k] * bond.handed;
+  }
+}
+
 template <int Dim> void CarriedBonds<Dim>::step_explicitly()
 {
   std::vector<RunBond<Dim>> along_sides;

@@ -23,10 +23,12 @@ Site<2> stepped(Site<2> site, const Site<2>& step, int sign)
 /// A bond before the rows of particles of other ranks are known. `site` >= 0: the end `a` is that particle.
 struct Draft {
   Index site = -1;
-  PetscInt row = -1;                                // global row of the particle, -1 while unknown
+  PetscInt row = -1; // global row of the particle, -1 while unknown
+  Index other = -1;  // a particle at the end `b`, and its row
+  PetscInt other_row = -1;
   Index a = -1, b = -1, force_a = -1, force_b = -1; // carried points; none of `a` where a particle is
   Vector<2> xi = Vector<2>::Zero();
-  double kappa = 0.0, energy_share = 0.0, volume = 0.0;
+  double kappa = 0.0, energy_share = 0.0, volume = 0.0, handed = 0.0;
   bool cut = false, no_fail = false;
   double stretch = 1.0;
   std::uint64_t key = 0;
@@ -61,7 +63,7 @@ public:
     for_each_border_site([&](const Site<2>& site) {
       if (part_.active().has(site)) leave_from(site);
     });
-    if (options_.scheme != Scheme::ghost) for_each_border_site([&](const Site<2>& site) { clip_from(site); });
+    if (!ghosts_) for_each_border_site([&](const Site<2>& site) { clip_from(site); });
     return std::move(drafts_);
   }
 
@@ -86,9 +88,13 @@ private:
       if (!around_.outside(site) || around_.element_host(site).count) return;
       const Vector<2> x = part_.lattice().point(site);
       throw UserError(
-          fmt::format("-couple_scheme {} needs plain elements within a horizon of each patch, but the ghost "
-                      "at {} lies in another patch: move the patches apart or use energy",
-                      options_.scheme == Scheme::ghost ? "ghost" : "interface", options_.frame.text(x)));
+          options_.scheme == Scheme::handshake
+              ? fmt::format("-mpm_coupling handshake needs one lattice of particles in a body, but the site at {} lies "
+                            "in a patch of another: use energy",
+                            options_.frame.text(x))
+              : fmt::format("-couple_scheme {} needs plain elements within a horizon of each patch, but the ghost "
+                            "at {} lies in another patch: move the patches apart or use energy",
+                            options_.scheme == Scheme::ghost ? "ghost" : "interface", options_.frame.text(x)));
     });
   }
 
@@ -132,8 +138,8 @@ private:
     const bool apart = options_.scheme == Scheme::interface;
     if (ends.a) draft.a = points_.add(*ends.a);
     if (ends.a) draft.force_a = apart ? points_.add(*ends.force_a) : draft.a;
-    draft.b = points_.add(*ends.b);
-    draft.force_b = apart ? points_.add(*ends.force_b) : draft.b;
+    if (ends.b) draft.b = points_.add(*ends.b);
+    if (ends.b) draft.force_b = apart ? points_.add(*ends.force_b) : draft.b;
     drafts_.push_back(draft);
   }
 
@@ -145,6 +151,7 @@ private:
     const Vector<2> x = lattice.point(site);
     const double far = (part_.stencil().reach + 2) * lattice.dx;
     if (row < 0 && options_.scheme == Scheme::energy && (!mine_ || !mine_->contains(x, far))) return;
+    const double handed = handed_per_stiffness(site);
     for (std::size_t h = 0; h < part_.stencil().half.size(); ++h)
       for (const int sign : {+1, -1}) {
         const pd::Arm<2>& arm = part_.stencil().half[h];
@@ -160,20 +167,45 @@ private:
         draft.energy_share = arm.length / part_.stencil().volume();
         draft.volume = arm.volume_share * part_.stencil().volume();
         const double leave = leaves(site, line);
-        const std::optional<Host> edge = options_.scheme == Scheme::ghost
-                                             ? std::nullopt
-                                             : around_.edge_host(x + leave * draft.xi, -leave * draft.xi, zone());
-        if (options_.scheme != Scheme::ghost && !edge) continue; // leaves through a side without elements behind
+        const std::optional<Host> edge =
+            ghosts_ ? std::nullopt : around_.edge_host(x + leave * draft.xi, -leave * draft.xi, zone());
+        if (!ghosts_ && !edge) continue; // leaves through a side without elements behind
+        draft.handed = handed * (1.0 - leave) * draft.kappa * arm.length;
         if (options_.scheme == Scheme::energy) draft.xi *= leave;
         Ends ends;
+        if (ghosts_ && part_.active().has(other)) { // over what is no particle: half from either end
+          const Index other_row = part_.row(other);
+          if (row < 0 && other_row < 0) continue;
+          draft.other = part_.number(other);
+          draft.other_row = other_row < 0 ? -1 : rows_.first + other_row;
+          draft.kappa *= 0.5;
+          draft.energy_share *= 2.0;
+          judge(draft, ends, x, draft.xi, {x, lattice.point(other)});
+          keep(draft, ends);
+          continue;
+        }
         ends.b = options_.scheme == Scheme::energy ? &*edge : &around_.element_host(other);
-        ends.force_b = options_.scheme == Scheme::ghost ? ends.b : &*edge;
+        ends.force_b = ghosts_ ? ends.b : &*edge;
         if (row < 0 && !mine(ends.b) && !mine(ends.force_b)) continue;
         if (edge && edge->side >= 0)
           draft.leaves = around_.leaving(edge->side, site, {sign * leave * arm.step[0], sign * leave * arm.step[1]});
         judge(draft, ends, x, draft.xi, {x, lattice.point(other)});
+        if (draft.cut) draft.handed = 0.0;
         keep(draft, ends);
       }
+  }
+
+  /// Mass of a particle over the sum of stiffness times length of all its bonds; 0 if none is handed over [kg/(N m)].
+  double handed_per_stiffness(const Site<2>& site) const
+  {
+    if (options_.handed_density == 0.0) return 0.0;
+    double sum = 0.0;
+    for (std::size_t h = 0; h < part_.stencil().half.size(); ++h)
+      for (const int sign : {+1, -1}) {
+        const pd::Arm<2>& arm = part_.stencil().half[h];
+        if (bonded(stepped(site, arm.step, sign))) sum += arm.kappa * surface_factor(site, h, sign) * arm.length;
+      }
+    return sum > 0.0 ? options_.handed_density * part_.stencil().volume() / sum : 0.0;
   }
 
   /// Where a line that starts at a particle first leaves the patch.
@@ -254,6 +286,8 @@ private:
   const Part& part_;
   const Surroundings& around_;
   CarriedPoints<2>& points_;
+  bool ghosts_ =
+      options_.scheme == Scheme::ghost || options_.scheme == Scheme::handshake; ///< at whose place forces act
   pd::Exists<2> exists_;
   std::optional<geom::Box<2>> mine_;
   std::vector<std::array<std::vector<geom::LinePiece<2>>, 2>> lines_; // per half arm, backwards and along it
@@ -266,11 +300,13 @@ void complete(std::vector<Draft>& drafts, const Part& part)
 {
   std::vector<Index> sites;
   for (const Draft& draft : drafts)
-    if (draft.site >= 0 && draft.row < 0) sites.push_back(draft.site);
+    for (const auto& [site, row] : {std::pair{draft.site, draft.row}, std::pair{draft.other, draft.other_row}})
+      if (site >= 0 && row < 0) sites.push_back(site);
   const std::vector<PetscInt> rows = part.directory().rows(sites);
   std::size_t next = 0;
   for (Draft& draft : drafts)
-    if (draft.site >= 0 && draft.row < 0) draft.row = rows[next++];
+    for (const auto& [site, row] : {std::pair{draft.site, &draft.row}, std::pair{draft.other, &draft.other_row}})
+      if (site >= 0 && *row < 0) *row = rows[next++];
 }
 } // namespace
 
@@ -299,7 +335,8 @@ pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stenci
 {
   if (scheme == Scheme::energy)
     return [&around](const Site<2>& site) { return around.exists(site) || around.behind_elements(site); };
-  if (scheme == Scheme::interface) return [&around](const Site<2>& site) { return around.exists(site); };
+  if (scheme == Scheme::interface || scheme == Scheme::handshake)
+    return [&around](const Site<2>& site) { return around.exists(site); };
   const Index layers = pd::family_reach(stencil);
   return [&around, layers](const Site<2>& site) {
     const auto& count = around.shape().lattice.count;
@@ -328,6 +365,7 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
       bond.kappa = draft.kappa;
       bond.energy_share = draft.energy_share;
       bond.volume = draft.volume;
+      bond.handed = draft.handed;
       bond.cut = draft.cut;
       bond.no_fail = draft.no_fail;
       bond.stretch = draft.stretch;
@@ -343,6 +381,7 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
         last_row = draft.row;
         bond.a = bond.force_a = last_point;
       }
+      if (draft.other >= 0) bond.b = bond.force_b = points.add(Host::of_row(draft.other_row));
       bonds.push_back(bond);
     }
   }

@@ -64,8 +64,19 @@ double contraction_length(const SceneOptions& options, double horizon, double el
   return length(options.layout.contraction_length, kContraction[options.time.dynamic()], horizon, element);
 }
 
+namespace {
+void judge_face_mass(const SceneOptions& s)
+{
+  if (s.face_mass && (!s.time.dynamic() || !s.pd.bordered() || s.scheme != couple::Scheme::energy))
+    throw UserError(
+        "-couple_face_mass is of particles beside elements or points that move, with bonds up to the border: "
+        "drop it, or give -pd_patches, -analysis explicit and the energy coupling");
+}
+} // namespace
+
 void judge_adapt(const SceneOptions& s)
 {
+  judge_face_mass(s);
   judge_triggers(s);
   if (s.layout.adapt == Adapt::none) refuse_lengths(s);
   if (s.layout.adapt != Adapt::relocate)
@@ -80,7 +91,7 @@ void judge_adapt(const SceneOptions& s)
                     "-adapt_seed tip, or drop it");
   if (s.time.analysis == Analysis::implicit_dynamics)
     throw UserError("-adapt (-layout_renew_box): implicit steps keep their layout; give -analysis explicit or static");
-  if (s.scheme != couple::Scheme::energy)
+  if (s.scheme != couple::Scheme::energy && s.scheme != couple::Scheme::handshake)
     throw UserError("-adapt (-layout_renew_box) makes patches of any shape, which need -couple_scheme energy");
   if (s.layout.adapt == Adapt::none) return;
   if (!s.fracture.active())

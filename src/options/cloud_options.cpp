@@ -9,7 +9,7 @@ constexpr const char* kStrange[] = {
     "-mesh_file",        "-mesh_lower",        "-mesh_upper",      "-mesh_cells",    "-pd_patches",
     "-pd_spacing",       "-pd_horizon_ratio",  "-pd_operator",     "-couple_scheme", "-xfem_quadrature",
     "-xfem_least_share", "-pd_skip_tolerance", "-post_j_contours", "-post_j_domain", "-post_energy_release",
-    "-post_tip_damage",  "-post_modes"};
+    "-post_tip_damage",  "-post_modes",        "-couple_face_mass"};
 
 void judge_cloud_condition(const BoundaryCondition& c)
 {

@@ -247,6 +247,10 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
   points.law = static_cast<mpm::Law>(
       o.choice("-mpm_law", 0, laws, "stress: linear in the stretch (Biot), turned along; or neo-Hooke"));
   points.ratio = o.integer("-mpm_cell_ratio", 2, "side of the grid's cells over dx", {1.0, solid ? 4.0 : 8.0});
+  static constexpr const char* couplings[] = {"energy", "handshake"};
+  points.coupling = static_cast<Coupling>(o.choice(
+      "-mpm_coupling", 0, couplings,
+      "bonds of particles act on points up to the border of both; or whole on the points themselves (APDMPM)"));
   static constexpr const char* orders[] = {"musl", "usl", "usf"};
   static constexpr const char* shapes[] = {"hat", "gimp", "bspline"};
   points.grid.order = static_cast<mpm::Order>(o.choice(
@@ -268,7 +272,7 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
   static_assert(4 * 4 * 4 <= kMostSites && 8 * 8 <= kMostSites);
   if (!describe && points.bodies.empty())
     for (const char* name : {"-mpm_spacing", "-mpm_formulation", "-mpm_law", "-mpm_cell_ratio", "-mpm_bulk_viscosity",
-                             "-mpm_order", "-mpm_shape", "-mpm_pic", "-mpm_skip_rest"})
+                             "-mpm_order", "-mpm_shape", "-mpm_pic", "-mpm_skip_rest", "-mpm_coupling"})
       if (o.given(name))
         throw UserError(fmt::format("{} is of material points, and there are none: give -mpm_bodies", name));
   points.contact = ContactOptions::read(points.any(), describe);
@@ -282,9 +286,9 @@ void refuse_other_physics(const SceneOptions& s)
   static constexpr const char* never[] = {"-pd_cloud",      "-post_j_contours",     "-post_j_domain",
                                           "-post_j_centre", "-post_energy_release", "-post_reference_fe",
                                           "-post_modes"};
-  static constexpr const char* alone[] = {"-crack_names",  "-material_toughness", "-pd_critical_stretch",
-                                          "-kinematics",   "-xfem_quadrature",    "-adapt",
-                                          "-couple_scheme"};
+  static constexpr const char* alone[] = {"-crack_names",   "-material_toughness", "-pd_critical_stretch",
+                                          "-kinematics",    "-xfem_quadrature",    "-adapt",
+                                          "-couple_scheme", "-couple_face_mass",   "-mpm_coupling"};
   const Options o("mpm");
   for (const char* name : never)
     if (o.given(name)) throw UserError(fmt::format("{} cannot stand beside -mpm_bodies: drop one of them", name));
@@ -306,7 +310,10 @@ void judge_mixed(const SceneOptions& s)
   if (s.kinematics == Kinematics::small)
     throw UserError("-kinematics small: bodies of points turn, and bonds must turn with them: give finite (the default "
                     "beside points) or mixed");
-  if (s.scheme != couple::Scheme::energy) throw UserError(beside + " need -couple_scheme energy");
+  if (s.scheme != couple::Scheme::energy && s.scheme != couple::Scheme::handshake)
+    throw UserError(beside + " need -couple_scheme energy (-mpm_coupling handshake is the papers')");
+  if (s.scheme == couple::Scheme::handshake && s.time.analysis != Analysis::explicit_dynamics)
+    throw UserError("-mpm_coupling handshake is for comparison in explicit steps: give -analysis explicit, or energy");
   if (s.mesh.file.empty() && s.mesh.cells[0] == 0 && s.mesh.box.size().norm() > 0.0)
     throw UserError("-mesh_cells is missing: give the number of cells nx,ny of the box, or a -mesh_file");
   for (const PointBodyOptions& body : s.points.bodies)

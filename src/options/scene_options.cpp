@@ -321,7 +321,7 @@ void judge(const SceneOptions& s)
 SceneOptions read_all(bool describe)
 {
   SceneOptions s;
-  Options o("scene");
+  Options o("scene"), bonds("couple");
   static constexpr const char* kinematics[] = {"small", "finite", "mixed"};
   static constexpr const char* schemes[] = {"energy", "ghost", "interface"};
   (void)o.text("-options_file", "", "file with an option a line: -name value, # begins a comment");
@@ -341,8 +341,10 @@ SceneOptions read_all(bool describe)
   s.pd = read_pd(of_bonds(s, named), s.solid, describe);
   if (!describe && s.pd.any()) take_required_poisson(s);
   s.points = PointOptions::read(s.elastic, s.solid, describe);
-  s.scheme = static_cast<couple::Scheme>(
-      Options("couple").choice("-couple_scheme", 0, schemes, "how bonds that leave a patch act on elements"));
+  using couple::Scheme;
+  s.scheme = static_cast<Scheme>(bonds.choice("-couple_scheme", 0, schemes, "how bonds act beyond a patch"));
+  s.face_mass = bonds.boolean("-couple_face_mass", false, "in time: particles hand mass to their border");
+  if (s.points.coupling == Coupling::handshake && s.scheme == Scheme::energy) s.scheme = Scheme::handshake;
   s.cracks = CrackOptions::read();
   s.fracture = FractureOptions::read(s.pd.any() ? named.toughness : std::nullopt);
   s.region_set = RegionSetOptions::read(materials, s.elastic, s.pd.any(), describe);

@@ -119,6 +119,7 @@ std::string lines_of(const SceneOptions& options)
       fmt::format("material = E {} nu {} rho {} thickness {} {}\nkinematics = {}\nscheme = {}\n", m.young, m.poisson,
                   m.density, m.thickness, m.plane == law::Plane::stress ? "plane stress" : "plane strain",
                   static_cast<int>(options.kinematics), static_cast<int>(options.scheme));
+  if (options.face_mass) text += "mass = handed to the border\n";
   text += fmt::format("bonds = micromodulus {}, calibration {}, surface correction {}\n",
                       static_cast<int>(options.pd.micromodulus), static_cast<int>(options.pd.calibration),
                       static_cast<int>(options.pd.surface_correction));

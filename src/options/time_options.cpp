@@ -185,6 +185,13 @@ LayoutOptions LayoutOptions::read()
       o.integer("-adapt_every", 1, "explicit: steps from one look for such bonds, or at what bulk bears, to the next",
                 {1.0, 1e9});
   static constexpr const char* at_border[] = {"warn", "stop"};
+  l.hand_back = o.integer("-adapt_hand_back", 0,
+                          "steps after which particles that -adapt_trigger made, whole and bearing less than half of "
+                          "what it says, become points or elements again; 0: never",
+                          {0.0, 1e9});
+  if (l.hand_back > 0 && !l.triggers.any())
+    throw UserError("-adapt_hand_back undoes what -adapt_trigger connection, stress and stretch do: give one of them, "
+                    "or drop it");
   l.stops_at_border = o.choice("-adapt_border", 0, at_border,
                                "where a crack comes within a horizon of elements and -adapt is none: a warning, or the "
                                "end of the run with status 2") == 1;

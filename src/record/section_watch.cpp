@@ -1,9 +1,13 @@
 #include "pdx/record/section_watch.hpp"
 
+#include "pdx/adapt/quiet.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/mesh/sites.hpp"
+#include "pdx/scene/discretisation.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <tuple>
@@ -53,6 +57,33 @@ std::vector<Column> columns_here(const RunFiles& files, std::size_t axis)
 }
 } // namespace sections
 
+/// Of the whole body, whatever of it is particles now. Collective.
+auto SectionWatch::counts(Index body, std::int64_t lattice) -> const Counts&
+{
+  const auto [known, fresh] = counts_.try_emplace({body, lattice});
+  if (!fresh) return known->second;
+  constexpr Index anywhere = std::numeric_limits<Index>::max() / 4;
+  const auto axis = static_cast<std::size_t>(files_.options.post.section);
+  const mesh::Mesh& mesh = *files_.scene.mesh;
+  const auto* const plane = dynamic_cast<const scene::Discretisation*>(files_.scene.model);
+  if (!plane) return known->second;
+  const auto around = std::ranges::find_if(plane->around, [&](const couple::Surroundings& of) {
+    return of.shape().body == body && of.shape().names.lattice == lattice;
+  });
+  const couple::PatchShape* const shape = &around->shape();
+  const std::vector<bool> may = adapt::may_be_particles(plane->view(mesh));
+  Counts mine;
+  for (Index c = 0; c < mesh.owned_cells(); ++c)
+    if (mesh.body(c) == body && may[static_cast<std::size_t>(c)])
+      mesh::for_each_site(mesh, c, shape->lattice, anywhere, [&](const Site<2>& site, const Vector<2>&) {
+        ++mine[shape->names.first[axis] + site[axis]];
+      });
+  std::vector<std::array<std::int64_t, 2>> told;
+  for (const auto& [column, sites] : mine) told.push_back({column, sites});
+  for (const auto& [column, sites] : gather_all(files_.comm(), told)) known->second[column] += sites;
+  return known->second;
+}
+
 void SectionWatch::look(double time, std::int64_t bonds_broken)
 {
   using sections::Column;
@@ -63,13 +94,11 @@ void SectionWatch::look(double time, std::int64_t bonds_broken)
   sections::sum_alike(columns);
   for (const Column& column : columns)
     if (column.touched) begun_.try_emplace({column.body, column.lattice, column.number}, time);
-  std::map<std::pair<Index, std::int64_t>, std::int64_t> through; // particles that reach through a body, by its lattice
-  for (const Column& column : columns) {
-    std::int64_t& most = through[{column.body, column.lattice}];
-    most = std::max(most, column.particles);
-  }
-  const auto parted = [&through](const Column& column) {
-    return column.damaged == through.at({column.body, column.lattice});
+  const auto parted = [this](const Column& column) { // what is not must not be counted
+    if (column.damaged != column.particles) return false;
+    const Counts& whole = counts(column.body, column.lattice);
+    const auto here = whole.find(column.number);
+    return here == whole.end() || column.damaged >= here->second;
   };
   const auto begun = [this](const Column& column) { return begun_.at({column.body, column.lattice, column.number}); };
   std::vector<const Column*> found; // of sections that broke at one look, those that began first

@@ -123,7 +123,7 @@ void refuse_coarse_patches(const options::SceneOptions& options, const PatchPlan
 /// Ghosts stand for one uninterrupted outside per bond.
 void refuse_other_shapes(const options::SceneOptions& options, const PatchPlan& plan)
 {
-  if (options.scheme == couple::Scheme::energy) return;
+  if (options.scheme == couple::Scheme::energy || options.scheme == couple::Scheme::handshake) return;
   for (std::size_t p = 0; p < plan.shapes.size(); ++p)
     if (!plan.shapes[p].active.is_box())
       throw UserError(
@@ -190,6 +190,7 @@ void add_peridynamics(const mesh::Mesh& mesh, const options::SceneOptions& optio
                                            d.cracks.empty() ? nullptr : &d.cracks,
                                            d.seams.empty() ? nullptr : &d.seams,
                                            options.fracture.no_fail,
+                                           options.face_mass ? options.elastic.density : 0.0,
                                            options.frame,
                                            options.regions.get()};
     auto carried = couple::carry_bonds(d.system.rows, coupling, parts, d.around);

@@ -21,6 +21,14 @@ double fraction(double x) { return x - std::round(x); }
 /// Spacings from one corner to another.
 Vector<2> spacings(const Vector<2>& from, const Vector<2>& to, double dx) { return (to - from) / dx; }
 
+bool one_lattice(const options::PdOptions& pd, std::size_t p, std::size_t q)
+{
+  const Vector<2> away = spacings(pd.patches[p].lower, pd.patches[q].lower, pd.spacing_of(p));
+  return same(pd.spacing_of(p), pd.spacing_of(q)) &&
+         std::max(std::abs(fraction(away[0])), std::abs(fraction(away[1]))) <=
+             kFits * away.cwiseAbs().maxCoeff() + kFits;
+}
+
 void require_one_lattice(const options::SceneOptions& options, std::size_t p, std::size_t q)
 {
   const options::PdOptions& pd = options.pd;
@@ -73,9 +81,11 @@ std::vector<std::vector<std::size_t>> patches_of_boxes(const options::SceneOptio
   for (std::size_t p = 0; p < boxes.size(); ++p) (void)lattice_in<2>(boxes[p], options.pd.spacing_of(p));
   for (std::size_t p = 0; p < boxes.size(); ++p)
     for (std::size_t q = p + 1; q < boxes.size(); ++q) {
-      if (!geom::touch(boxes[p], boxes[q], 1e-9 * boxes[p].size().norm())) continue;
       if (body_of(p) != body_of(q)) continue;
-      require_one_lattice(options, p, q);
+      // Bonds that run whole from particle to particle stay in one patch, wherever that lies.
+      const bool apart = !geom::touch(boxes[p], boxes[q], 1e-9 * boxes[p].size().norm());
+      if (apart && (options.scheme != couple::Scheme::handshake || !one_lattice(options.pd, p, q))) continue;
+      if (!apart) require_one_lattice(options, p, q);
       const auto [low, high] = std::minmax(root[p], root[q]);
       std::ranges::replace(root, high, low);
     }

@@ -75,9 +75,9 @@ Layout Layout::given(const options::SceneOptions& options)
 
 options::SceneOptions Layout::in(options::SceneOptions options) const
 {
-  if (!patches.empty()) {
+  if (!patches.empty() || options.converts()) { // all that bulk became may be bulk again
     options.pd.patches = patches;
-    options.pd.spacing = spacing;
+    if (!patches.empty()) options.pd.spacing = spacing;
     options.pd.anchors = anchors;
   }
   options.cracks.lines = cracks;

@@ -116,7 +116,8 @@ void convert_along_cracks(const PointPlan<2>& plan, options::SceneOptions& optio
   const double dx = options.pd.spacing[0];
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
     const mpm::Body<2>& of = plan.bodies[b];
-    const double reach = (options.layout.triggers.margin - 0.25) * of.cell_size();
+    // At the least cells with the crack on their border: it disconnects what is on either side.
+    const double reach = std::max(options.layout.triggers.margin - 0.25, 1e-6) * of.cell_size();
     std::vector<geom::Box<2>> boxes;
     for (std::size_t k = 0; k < of.points.size(); ++k) {
       const Site<2> at = of.cell(static_cast<std::int64_t>(k));

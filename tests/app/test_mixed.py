@@ -35,6 +35,35 @@ ON_PARTICLES = {key: value for key, value in STRUCK.items() if not key.startswit
     "-mpm_block_box": "0,-0.02,0.04,0.02",
     "-pd_patches": "0,-0.006,0.012,0.006",
 }
+# A pulse of tension runs through a bar: it becomes particles before it, and points again behind it.
+PULSE = STEEL | {
+    "-mpm_bodies": "bar",
+    "-mpm_bar_box": "0,0,0.08,0.01",
+    "-adapt": "expand",
+    "-adapt_trigger": "stretch",
+    "-adapt_stretch": "0.02",
+    "-pd_critical_stretch": "0.02",
+    "-bc_names": "pull",
+    "-bc_pull_on": "left",
+    "-bc_pull_traction": "-115e6,0",
+    "-bc_pull_history": "gaussian",
+    "-bc_pull_history_time": "6e-6",
+    "-bc_pull_history_width": "2e-6",
+    "-ts_max_time": "38e-6",
+    "-ts_dt": "0.1e-6",
+}
+# A square that spins so fast that all of it becomes particles.
+SPINNING = STEEL | {
+    "-mpm_bodies": "square",
+    "-mpm_square_box": "0,0,0.04,0.04",
+    "-mpm_square_spin": "2000",
+    "-adapt": "expand",
+    "-adapt_trigger": "stretch",
+    "-adapt_stretch": "0.001",
+    "-adapt_margin": "10",
+    "-pd_critical_stretch": "0.02",
+    "-ts_max_time": "30e-6",
+}
 # A bar that is pulled apart by its own motion until it becomes particles in its middle and breaks there.
 EARLY, LATE = "2095", "2110"  # steps before and after what is held by waves becomes particles
 
@@ -86,6 +115,40 @@ class Mixed(program.ProgramTest):
         for row in rows[1:]:
             self.assertEqual(row["bonds_broken"], rows[0]["bonds_broken"])
             self.assertAlmostEqual(row["energy_fracture"] / rows[0]["energy_fracture"], 1.0, delta=1e-10)
+
+    def test_particles_that_are_quiet_become_points_again(self):
+        quiet = PULSE | {"-adapt_hand_back": "40"}
+        one, two = (self.solve(quiet, ranks) for ranks in (1, 2))
+        rows = one.history()
+        points = [row["points"] for row in rows]
+        self.assertLess(min(points), 0.9 * points[0])
+        self.assertEqual(points[-1], points[0])
+        self.assertLess(one.summary["results"]["energy_drift_ratio"], 1e-3)
+        last = rows[-1]["momentum_x"]  # of the pull alone, which is over after 20 us
+        for row in rows:
+            self.assertTrue(row["time"] < 20e-6 or abs(row["momentum_x"] - last) < 1e-12 * abs(last), row["time"])
+        other = two.history()
+        self.assertEqual([row["points"] for row in other], points)
+        self.assertLess(abs(other[-1]["energy_points"] - rows[-1]["energy_points"]), 1e-9 * rows[-1]["work"])
+        directory, middle = self.scratch / "again", str(int(rows[points.index(min(points))]["step"]) + 30)
+        self.solve(quiet | {"-ts_max_steps": middle, "-checkpoint_interval": middle}, 1, directory)
+        rest = self.solve(quiet | {"-restart": str(directory / "checkpoint.h5")}, 1, directory)
+        self.assertEqual(rest.history(), rows)
+
+    def test_a_body_that_spins_keeps_its_angular_momentum_when_it_converts(self):
+        for coarser in (1, 2):
+            rows = self.solve(SPINNING | {"-mpm_spacing": repr(coarser * 1e-3)}).history()
+            self.assertEqual(rows[-1]["points"], 0)
+            turning = rows[0]["angular_momentum_z"]
+            for row in rows:
+                self.assertLess(abs(row["angular_momentum_z"] - turning), 1e-12 * turning)
+
+    def test_a_section_beside_a_hole_is_told(self):
+        # Half of the bar's height is missing between 40 and 42 mm, where plane waves would part it too.
+        for ranks in (1, 2):
+            results = self.spall({"-mpm_bar_hole": "0.041,0.001,0.0009"}, ranks).summary["results"]
+            self.assertTrue(0.040 <= results["spall_position"] <= 0.042, results["spall_position"])
+            self.assertTrue(1.00e-3 <= results["spall_time"] <= 1.07e-3, results["spall_time"])
 
     def test_a_step_that_is_too_long_beside_particles_becomes_shorter(self):
         # Points alone take steps twice as long as particles: the one given ends where the first particles come.

@@ -2,6 +2,7 @@
 #include "pdx/adapt/contraction.hpp"
 #include "pdx/adapt/conversion.hpp"
 #include "pdx/adapt/expansion.hpp"
+#include "pdx/adapt/quiet.hpp"
 #include "pdx/adapt/seen_damage.hpp"
 #include "pdx/io/hdf5_file.hpp"
 #include "pdx/io/sealed_reader.hpp"
@@ -39,11 +40,18 @@ public:
   adapt::LayoutChange contract(const adapt::SceneView& scene, const scene::PatchPlan& plan,
                                const adapt::MayHandBack& may);
 
+  /// Is it time to look for particles of converted bulk that have been quiet?
+  bool may_hand_back(int step) const { return options_.layout.hand_back > 0 && step % quiet_every() == 0; }
+  /// What of them becomes bulk again.
+  adapt::LayoutChange quiet(const adapt::SceneView& scene, std::span<const double> local);
+
   /// What it goes on from, as tables of a checkpoint. Throws UserError for tables that make none.
   void write(io::Hdf5File& file) const;
   void read(const io::SealedReader& file);
 
 private:
+  int quiet_every() const; ///< steps
+  adapt::ConversionRule conversion_rule() const;
   adapt::BulkWatch bulk_watch(const adapt::SceneView& scene) const;
   std::vector<adapt::LayoutChange::Cover> converted(const adapt::SceneView& scene, std::span<const double> local);
   std::vector<adapt::Reaches> reaches(const adapt::SceneView& scene, const scene::PatchPlan& plan) const;
@@ -54,6 +62,7 @@ private:
   const options::SceneOptions& options_;
   std::int64_t broken_ = 0; // at the last look, this rank
   adapt::SeenDamage seen_;
+  adapt::QuietCells quiet_;
   int expansions_ = 0; // since the last contraction
   bool told_ = false;  // what came to the border
   std::vector<geom::LatticeAnchor> lattices_;

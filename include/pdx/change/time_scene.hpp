@@ -39,6 +39,7 @@ public:
     solve::TimeDriver::Clock clock;
     std::vector<double> sums;         ///< `Model::rank_sums`
     std::array<double, 3> momentum{}; ///< where patches move [kg m/s]
+    double angular = 0.0;             ///< likewise, in the plane [kg m^2/s]
     std::size_t known = 0;            ///< rows that were there before
     adapt::Leaving left;
   };

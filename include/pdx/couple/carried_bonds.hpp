@@ -22,6 +22,7 @@ template <int Dim> struct CarriedBond {
   double kappa = 0.0;             ///< force per unit stretch                             [N]
   double energy_share = 0.0;      ///< whole bond length over particle volume where a is a particle, else 0 [1/m^2]
   double volume = 0.0;            ///< beta V of the outer end where a is a particle, else 0 [m^3]
+  double handed = 0.0;            ///< mass that the particle at `a` hands to what carries b [kg]
   bool cut = false;               ///< by a crack from the start: it carries nothing, but counts in the whole family
   bool no_fail = false;           ///< it never breaks
   double stretch = 1.0;           ///< its critical stretch over that of the patch           [-]
@@ -55,6 +56,9 @@ public:
   /// (n.d)^2 <= (sum_k |c_k|) sum_k |c_k| (n.y_k)^2. Throws std::logic_error if the tangent is not symmetric: there is
   /// no such bound.
   void add_stiffness_bound(std::span<double> blocks) const override;
+
+  /// What particles hand to the points where their bonds leave the patch. After `bind`.
+  void add_mass(std::span<double> mass) const override;
 
   /// Adds half of each whole bond's energy to the density of the particle at its first end [J/m^3], one entry per row.
   void add_energy_density(std::span<const double> u, std::span<double> density) const;

@@ -12,7 +12,9 @@ namespace pdx::couple {
 ///            exact for constant strain. No ghost particles.
 /// ghost:     the papers' scheme: the outer end is a ghost particle carried by its element.  [XPD1 Eqs. 14-18]
 /// interface: ghosts for the displacement, force at the point where the bond meets the interface. Not symmetric.
-enum class Scheme { energy, ghost, interface };
+/// handshake: ghosts beside patches of any shape: all bonds of a particle act whole, whatever lies on their way, on
+///            the material point, or on what would be one, at the other end.  [APDMPM Eqs. 23-25, 29, 36-38]
+enum class Scheme { energy, ghost, interface, handshake };
 
 struct CouplingOptions {
   Scheme scheme = Scheme::energy;
@@ -20,8 +22,11 @@ struct CouplingOptions {
   const crack::CrackSet* cracks = nullptr; ///< bonds whose acting part they part carry nothing
   const crack::CrackSet* seams = nullptr;  ///< the same, where the mesh is parted
   std::span<const geom::Box<2>> no_fail;   ///< bonds with an end in one of them never break [m]
-  geom::Frame frame = {};                  ///< of coordinates in messages
-  const law::Regions* regions = nullptr;   ///< of other materials than the patches' stencils; null: none
+  /// energy: particles whose bonds leave a patch hand mass to where they do: of this density, a particle's times
+  /// w (xi - l) over the sum of w xi of all its bonds, w their stiffness, xi - l what lies outside. 0: none [kg/m^3]
+  double handed_density = 0.0;
+  geom::Frame frame = {}; ///< of coordinates in messages
+  const law::Regions* regions = nullptr; ///< of other materials than the patches' stencils; null: none
 };
 
 /// Where the material around a patch counts to bond families: everywhere, or (papers) in the ghost layers only. In the

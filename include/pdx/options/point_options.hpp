@@ -13,6 +13,10 @@ namespace pdx::options {
 /// total: the grid is that of the reference state and kept. updated: it is fixed in space and made anew each step.
 enum class Formulation { total, updated };
 
+/// How particles act on points around them: bonds up to the border, with an energy of its own, or the paper's
+/// handshake [APDMPM Eqs. 23-25, 29, 36-38].
+enum class Coupling { energy, handshake };
+
 /// What material points fill: one of these, in space with a depth along z where it is plane.
 struct PointShape {
   struct Ball {
@@ -56,10 +60,11 @@ struct PointOptions {
   std::vector<PointBodyOptions> bodies;
   Formulation formulation = Formulation::total;
   mpm::Law law = mpm::Law::corotational;
-  int ratio = 2;          ///< cells of the grid over the spacing of points
-  double viscosity = 0.0; ///< linear bulk viscosity b [-]
-  bool skips_rest = true; ///< of `total`: cells at rest are left out of explicit steps
-  mpm::GridRule grid;     ///< of `updated`; its side is not yet known
+  int ratio = 2;                        ///< cells of the grid over the spacing of points
+  Coupling coupling = Coupling::energy; ///< beside particles
+  double viscosity = 0.0;               ///< linear bulk viscosity b [-]
+  bool skips_rest = true;               ///< of `total`: cells at rest are left out of explicit steps
+  mpm::GridRule grid;                   ///< of `updated`; its side is not yet known
   ContactOptions contact;
   /// Around each body, that of elements last; of a mixed scene, once it is settled [m].
   std::vector<geom::Box<2>> regions;

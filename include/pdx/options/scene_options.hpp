@@ -93,6 +93,7 @@ struct SceneOptions {
   PdOptions pd;
   PointOptions points;
   couple::Scheme scheme = couple::Scheme::energy;
+  bool face_mass = false; ///< particles hand mass to where their bonds leave a patch
   CrackOptions cracks;
   FractureOptions fracture;
   std::vector<BoundaryCondition> conditions;

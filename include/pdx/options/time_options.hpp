@@ -50,6 +50,7 @@ struct LayoutOptions {
   double contraction_length = 0.0; ///< particles as far from all tips become elements again; 0: likewise [m]
   int adapt_interval = 1;          ///< steps from one look for such damage, or what bulk bears, to the next
   Triggers triggers;
+  int hand_back = 0;            ///< steps after which quiet particles of converted bulk become bulk again; 0: never
   bool stops_at_border = false; ///< where patches stay: does the run end when a crack comes to elements?
   track::Tracker tracker = track::Tracker::sides; ///< how cracks are followed that elements take over
   int expansions = 1;                             ///< after so many a patch hands back what lies behind [XPD2 Eq. 15]

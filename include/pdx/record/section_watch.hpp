@@ -7,8 +7,8 @@
 
 namespace pdx::record {
 /// Looks for the first section across a body that is broken: a spall, with `-post_section x|y`. A section lies between
-/// two columns of particles that reach through the body, and is broken where all of both lie beside a crack
-/// (`-post_tip_damage`).
+/// two columns of sites of a body, and is broken where all of both that are particles, or could become so, lie beside a
+/// crack (`-post_tip_damage`).
 class SectionWatch {
 public:
   explicit SectionWatch(const RunFiles& files) : files_(files) {}
@@ -23,7 +23,11 @@ public:
   void take_notes(const std::map<std::string, double>& notes);
 
 private:
+  using Counts = std::map<std::int64_t, std::int64_t>; // of sites that may be particles, by column
+  const Counts& counts(Index body, std::int64_t lattice);
+
   const RunFiles& files_;
+  std::map<std::pair<Index, std::int64_t>, Counts> counts_; // by body and lattice
   std::int64_t broken_ = 0;
   std::map<std::array<std::int64_t, 3>, double> begun_; // body, lattice, column: when it lost its first bond [s]
   double time_ = -1.0, through_ = -1.0;                 // none yet [s]

@@ -14,6 +14,7 @@ using test::Field;
 namespace {
 constexpr Index kCells = 10; // of the unit square, per side: coordinates are kept as decimals
 constexpr double kCell = 1.0 / kCells;
+constexpr couple::Scheme kCouplings[] = {couple::Scheme::energy, couple::Scheme::handshake};
 constexpr double kSmall = 1e-12; // strain: what is not linear is as small
 
 geom::Box<2> cells(Index x0, Index y0, Index x1, Index y1)
@@ -22,12 +23,14 @@ geom::Box<2> cells(Index x0, Index y0, Index x1, Index y1)
 }
 
 /// Material points on the unit square, and what of it are particles.
-options::SceneOptions square_of_points(const std::vector<geom::Box<2>>& patches, int finer = 1)
+options::SceneOptions square_of_points(const std::vector<geom::Box<2>>& patches, int finer = 1,
+                                       couple::Scheme scheme = couple::Scheme::energy)
 {
   options::SceneOptions options;
   options.elastic = test::plane_stress();
   options.elastic.density = 1.0;
   options.kinematics = options::Kinematics::finite;
+  options.scheme = scheme;
   options.time.analysis = options::Analysis::explicit_dynamics;
   options::PointBodyOptions body;
   body.name = "square";
@@ -88,38 +91,83 @@ TEST(MixedPoints, UniformStrainIsInBalance)
 
 TEST(MixedPoints, RotationIsFreeOfForce)
 {
-  for (const auto& patches : {std::vector{cells(4, 4, 8, 7)}, scattered()}) {
-    test::Scene scene(square_of_points(patches));
-    EXPECT_LT(unbalanced(scene, turned(0.5), 1.0, true), 2e-12);
-  }
+  for (const auto& patches : {std::vector{cells(4, 4, 8, 7)}, scattered()})
+    for (const couple::Scheme scheme : kCouplings) {
+      test::Scene scene(square_of_points(patches, 1, scheme));
+      EXPECT_LT(unbalanced(scene, turned(0.5), 1.0, true), 2e-12);
+    }
+}
+
+// mpm.md section 2: the paper's handshake leaves .60 of E strain h at nodes beside a block, 1.15 beside scattered
+// cells.
+TEST(MixedPoints, HandshakeLeavesForcesInUniformStrain)
+{
+  const auto left = [](const std::vector<geom::Box<2>>& patches, double along, double across) {
+    test::Scene scene(square_of_points(patches, 1, couple::Scheme::handshake));
+    return unbalanced(scene, test::affine(along * kSmall, 0.0, 0.0, across * kSmall), kSmall);
+  };
+  EXPECT_NEAR(left({cells(4, 4, 8, 7)}, 1.0, 0.0), 0.60, 0.01);
+  EXPECT_NEAR(left(scattered(), 1.0, 1.0), 1.15, 0.15); // other cells than there
 }
 
 // Of any displacement: forces add up to nothing.
 TEST(MixedPoints, ForcesKeepMomentum)
 {
-  test::Scene scene(square_of_points(scattered()));
-  const Field noise = test::noise(3);
-  const std::vector<double> force =
-      scene.internal_force(scene.blocks([&](const Vector<2>& x) { return Vector<2>(1e-3 * noise(x)); }));
-  double sum[2] = {0.0, 0.0}, size = 0.0;
-  for (std::size_t k = 0; k < force.size(); ++k) {
-    sum[k % 2] += force[k];
-    size += std::abs(force[k]);
+  for (const couple::Scheme scheme : kCouplings) {
+    test::Scene scene(square_of_points(scattered(), 1, scheme));
+    const Field noise = test::noise(3);
+    const std::vector<double> force =
+        scene.internal_force(scene.blocks([&](const Vector<2>& x) { return Vector<2>(1e-3 * noise(x)); }));
+    double sum[2] = {0.0, 0.0}, size = 0.0;
+    for (std::size_t k = 0; k < force.size(); ++k) {
+      sum[k % 2] += force[k];
+      size += std::abs(force[k]);
+    }
+    EXPECT_LT(std::hypot(scene.sum(sum[0]), scene.sum(sum[1])), 1e-14 * scene.sum(size));
   }
-  EXPECT_LT(std::hypot(scene.sum(sum[0]), scene.sum(sum[1])), 1e-14 * scene.sum(size));
 }
 
 // The mass of a body is that of its points, whatever of them are particles.
 TEST(MixedPoints, MassIsThatOfTheBody)
 {
-  for (const auto& patches : {std::vector{cells(4, 4, 8, 7)}, scattered()}) {
-    test::Scene scene(square_of_points(patches));
+  for (const auto& [patches, handed] : {std::pair{std::vector{cells(4, 4, 8, 7)}, false}, std::pair{scattered(), false},
+                                        std::pair{scattered(), true}}) {
+    options::SceneOptions options = square_of_points(patches);
+    options.face_mass = handed;
+    test::Scene scene(options);
     std::vector<double> mass(static_cast<std::size_t>(scene.rows().owned()), 0.0);
     for (const auto& term : scene.system().terms) term->add_mass(mass);
     double sum = 0.0;
     for (const double m : mass) sum += m;
     EXPECT_NEAR(scene.sum(sum) / scene.options().elastic.thickness, 1.0, 1e-13);
   }
+}
+
+// Of a bond with k spacings across the border, from a particle half a spacing before it, 1 - 1 / (2 k) lies outside.
+TEST(MixedPoints, ParticlesHandMassToTheirBorder)
+{
+  options::SceneOptions options = square_of_points({cells(2, 2, 8, 8)});
+  options.face_mass = true;
+  test::Scene scene(options);
+  const pd::Stencil<2>& stencil = scene.plan().stencils[0];
+  double outside = 0.0, all = 0.0;
+  for (const pd::Arm<2>& arm : stencil.half) {
+    all += 2.0 * arm.kappa * arm.length;
+    if (arm.step[0] != 0) outside += arm.kappa * arm.length * (1.0 - 0.5 / std::abs(arm.step[0]));
+  }
+  std::vector<double> mass(static_cast<std::size_t>(scene.rows().owned()), 0.0);
+  for (const auto& term : scene.system().terms) term->add_mass(mass);
+  const Vector<2> border(2.25 * kCell, 5.25 * kCell), deep(5.25 * kCell, 5.25 * kCell);
+  int seen = 0;
+  for (Index row = scene.rows().first_particle(); row < scene.rows().owned(); ++row) {
+    const double share = mass[static_cast<std::size_t>(row)] / stencil.volume(); // of density 1
+    const bool at_border = (scene.place(row) - border).norm() < 1e-9, inside = (scene.place(row) - deep).norm() < 1e-9;
+    if (at_border || inside) {
+      EXPECT_NEAR(share, at_border ? 1.0 - outside / all : 1.0, 1e-12);
+    }
+    seen += at_border || inside;
+  }
+  EXPECT_EQ(scene.sum(seen), 2.0);
 }
 
 namespace {

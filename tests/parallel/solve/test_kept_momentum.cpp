@@ -4,6 +4,7 @@
 #include "support/standing_wave.hpp"
 
 #include <algorithm>
+#include <array>
 #include <gtest/gtest.h>
 
 using namespace pdx;
@@ -54,6 +55,52 @@ TEST(KeptMomentum, IsThatOfBeforeToRounding)
 {
   EXPECT_LT(missing(false), 1e-15);
   EXPECT_LT(missing(true), 1e-15);
+}
+
+namespace {
+/// What angular momentum, and what momentum, is missing after a change, over those of the largest velocity.
+std::array<double, 2> missing_spin(bool cracked)
+{
+  test::Scene scene(flying_plate(cracked));
+  const solve::MovingSystem moving(scene.system());
+  std::vector<double> is_new(static_cast<std::size_t>(scene.rows().owned()), 0.0);
+  for (Index row = 0; row < scene.rows().owned(); ++row)
+    is_new[static_cast<std::size_t>(row)] = scene.place(row)[0] > 0.4 ? 1.0 : 0.0;
+  const std::vector<double> u = owned_of(scene, [](const Vector<2>& x) { return 1e-2 * test::noise(2)(x); });
+  const std::vector<double> before = owned_of(scene, test::noise(3));
+  const auto momentum = moving.momentum(before);
+  const double wanted = solve::angular_momentum(moving, u, before);
+  std::vector<double> v = owned_of(scene, test::noise(5));
+  solve::keep_momentum(moving, is_new, momentum, v);
+  const double found = solve::angular_momentum(moving, u, v);
+  EXPECT_GT(std::abs(found - wanted), 1e-4);
+  solve::keep_angular_momentum(moving, is_new, wanted, u, v);
+  const auto now = moving.momentum(v);
+  return {std::abs(solve::angular_momentum(moving, u, v) - wanted),
+          std::max(std::abs(now[0] - momentum[0]), std::abs(now[1] - momentum[1]))};
+}
+} // namespace
+
+// Of a body of mass 1/2 and side 1.
+TEST(KeptMomentum, TurnsWhatIsNewByWhatIsMissing)
+{
+  for (const bool cracked : {false, true}) {
+    const auto [spin, momentum] = missing_spin(cracked);
+    EXPECT_LT(spin, 1e-14);
+    EXPECT_LT(momentum, 1e-14);
+  }
+}
+
+// A rigid turn by hand: a square of side a and mass m about its corner has m (a^2/6 + a^2/2) omega.
+TEST(KeptMomentum, AngularMomentumOfAPlateThatTurns)
+{
+  test::Scene scene(flying_plate(false));
+  const solve::MovingSystem moving(scene.system());
+  const std::vector<double> rest(moving.owned(), 0.0);
+  const double found = solve::angular_momentum(moving, rest, owned_of(scene, test::affine(0.0, -3.0, 3.0, 0.0)));
+  const double h = 1.0 / 12.0, lumped = 0.5 * 3.0 * (2.0 / 3.0 + h * h / 3.0); // nodes for bulk: h^2/3 more
+  EXPECT_NEAR(found, lumped, 0.25 * 0.5 * 3.0 * h * h / 3.0 + 1e-3);
+  EXPECT_LT(found, lumped);
 }
 
 TEST(KeptMomentum, IsLeftAloneWhereNothingIsNew)
