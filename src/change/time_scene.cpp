@@ -40,6 +40,7 @@ TimeScene::Moment TimeScene::moment(const adapt::LayoutChange& change,
              driver_->clock(),
              standing.model->rank_sums(),
              {},
+             0.0,
              0,
              {}};
   now.known = now.state.rows.size();
