@@ -18,16 +18,10 @@ Site<2> stepped(Site<2> site, const Site<2>& step, int sign)
   return site;
 }
 
-/// A bond before the rows of particles of other ranks are known. `site` >= 0: the end `a` is that particle.
-struct Draft {
-  Index site = -1;
-  PetscInt row = -1;                                // global row of the particle, -1 while unknown
-  Index a = -1, b = -1, force_a = -1, force_b = -1; // carried points; none of `a` where a particle is
-  Vector<2> xi = Vector<2>::Zero();
-  double kappa = 0.0, energy_share = 0.0, volume = 0.0;
-  bool cut = false, no_fail = false;
-  std::uint64_t key = 0;
-  Leaving leaves;
+/// A bond from a particle of another rank, whose row is not known yet.
+struct Unfinished {
+  std::size_t bond; ///< number
+  Index site;
 };
 
 /// What carries the ends of a bond, and what the points where its force acts; null where a particle is.
@@ -36,12 +30,12 @@ struct Ends {
 };
 constexpr std::uint64_t kParts = 32; // of a bond that can act: more than it has pieces
 
-/// Writes the drafts of one patch, in order of sites, and the points that elements carry.
+/// Appends the bonds of one patch, in order of sites, and the points between which they are.
 class Drafter {
 public:
-  Drafter(const field::Rows& rows, const CouplingOptions& options, Part& part, const Surroundings& around,
-          CarriedPoints<2>& points)
-      : rows_(rows), options_(options), part_(part), around_(around), points_(points),
+  Drafter(const field::Rows& rows, const CouplingOptions& options, Part& part, Index patch, const Surroundings& around,
+          CarriedPoints<2>& points, std::vector<CarriedBond<2>>& bonds)
+      : rows_(rows), options_(options), part_(part), patch_(patch), around_(around), points_(points), bonds_(bonds),
         exists_(family_of(around, part.stencil(), options.scheme)),
         mine_(around.edges_of_rows(rows.first, rows.first + rows.owned()))
   {
@@ -52,14 +46,15 @@ public:
     factors_ = part.take_factors({-reach, -reach}, {count[0] + 2 * reach, count[1] + 2 * reach});
   }
 
-  std::vector<Draft> write()
+  /// Collective.
+  void write()
   {
     refuse_homeless_ghosts();
     for_each_border_site([&](const Site<2>& site) {
       if (part_.active().has(site)) leave_from(site);
     });
     if (options_.scheme != Scheme::ghost) for_each_border_site([&](const Site<2>& site) { clip_from(site); });
-    return std::move(drafts_);
+    finish();
   }
 
 private:
@@ -123,14 +118,28 @@ private:
   }
 
   /// Forces act where the ends are, but in the interface scheme.
-  void keep(Draft& draft, const Ends& ends)
+  void keep(CarriedBond<2>& bond, const Ends& ends)
   {
     const bool apart = options_.scheme == Scheme::interface;
-    if (ends.a) draft.a = points_.add(*ends.a);
-    if (ends.a) draft.force_a = apart ? points_.add(*ends.force_a) : draft.a;
-    draft.b = points_.add(*ends.b);
-    draft.force_b = apart ? points_.add(*ends.force_b) : draft.b;
-    drafts_.push_back(draft);
+    if (ends.a) bond.a = points_.add(*ends.a);
+    if (ends.a) bond.force_a = apart ? points_.add(*ends.force_a) : bond.a;
+    bond.b = points_.add(*ends.b);
+    bond.force_b = apart ? points_.add(*ends.force_b) : bond.b;
+    bond.patch = patch_;
+    bonds_.push_back(bond);
+  }
+
+  /// Finds the rows of particles of other ranks. Collective.
+  void finish()
+  {
+    std::vector<Index> sites;
+    for (const Unfinished& end : unfinished_) sites.push_back(end.site);
+    const std::vector<PetscInt> rows = part_.directory().rows(sites);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      CarriedBond<2>& bond = bonds_[unfinished_[k].bond];
+      const bool again = k > 0 && rows[k] == rows[k - 1];
+      bond.a = bond.force_a = again ? bonds_[unfinished_[k - 1].bond].a : points_.add(Host::of_row(rows[k]));
+    }
   }
 
   /// Bonds from a particle that leave the patch, up to where they do.
@@ -140,6 +149,7 @@ private:
     const auto& lattice = part_.lattice();
     const Vector<2> x = lattice.point(site);
     const double far = (part_.stencil().reach + 2) * lattice.dx;
+    Index here = -1; // the particle, as a carried point
     if (row < 0 && options_.scheme == Scheme::energy && (!mine_ || !mine_->contains(x, far))) return;
     for (std::size_t h = 0; h < part_.stencil().half.size(); ++h)
       for (const int sign : {+1, -1}) {
@@ -147,28 +157,31 @@ private:
         const Site<2> other = stepped(site, arm.step, sign);
         const auto& line = lines_[h][sign > 0];
         if (geom::runs_inside<2>(part_.active(), site, line) || !bonded(other)) continue;
-        Draft draft;
-        draft.key = key(site, h, sign, 0);
-        draft.site = part_.number(site);
-        draft.row = row < 0 ? -1 : rows_.first + row;
-        draft.kappa = arm.kappa * surface_factor(site, h, sign);
-        draft.xi = sign * arm.xi;
-        draft.energy_share = arm.length / part_.stencil().volume();
-        draft.volume = arm.volume_share * part_.stencil().volume();
+        CarriedBond<2> bond;
+        bond.key = key(site, h, sign, 0);
+        bond.kappa = arm.kappa * surface_factor(site, h, sign);
+        bond.xi = sign * arm.xi;
+        bond.energy_share = arm.length / part_.stencil().volume();
+        bond.volume = arm.volume_share * part_.stencil().volume();
         const double leave = leaves(site, line);
         const std::optional<Host> edge = options_.scheme == Scheme::ghost
                                              ? std::nullopt
-                                             : around_.edge_host(x + leave * draft.xi, -leave * draft.xi, zone());
+                                             : around_.edge_host(x + leave * bond.xi, -leave * bond.xi, zone());
         if (options_.scheme != Scheme::ghost && !edge) continue; // leaves through a side without elements behind
-        if (options_.scheme == Scheme::energy) draft.xi *= leave;
+        if (options_.scheme == Scheme::energy) bond.xi *= leave;
         Ends ends;
         ends.b = options_.scheme == Scheme::energy ? &*edge : &around_.element_host(other);
         ends.force_b = options_.scheme == Scheme::ghost ? ends.b : &*edge;
         if (row < 0 && !mine(ends.b) && !mine(ends.force_b)) continue;
         if (edge && edge->side >= 0)
-          draft.leaves = around_.leaving(edge->side, site, {sign * leave * arm.step[0], sign * leave * arm.step[1]});
-        judge(draft, ends, x, draft.xi, {x, lattice.point(other)});
-        keep(draft, ends);
+          bond.leaves = around_.leaving(edge->side, site, {sign * leave * arm.step[0], sign * leave * arm.step[1]});
+        judge(bond, ends, x, bond.xi, {x, lattice.point(other)});
+        if (row < 0)
+          unfinished_.push_back({bonds_.size(), part_.number(site)});
+        else if (here < 0)
+          here = points_.add(Host::of_row(rows_.first + row));
+        bond.a = bond.force_a = here;
+        keep(bond, ends);
       }
   }
 
@@ -206,56 +219,45 @@ private:
     const auto enter = around_.edge_host(begin, half, zone());
     const auto leave = around_.edge_host(x + leaves * arm.xi, -half, zone());
     if (!enter || !leave) return;
-    Draft draft;
-    draft.key = key(site, h, 1, part.first + 1);
-    draft.kappa = arm.kappa * surface_factor(site, h, 1);
+    CarriedBond<2> bond;
+    bond.key = key(site, h, 1, part.first + 1);
+    bond.kappa = arm.kappa * surface_factor(site, h, 1);
     const bool energy = options_.scheme == Scheme::energy;
     const Ends ends{energy ? &*enter : &around_.element_host(site), energy ? &*leave : &around_.element_host(other),
                     &*enter, &*leave};
     if (!mine(ends.force_a) && !mine(ends.force_b) && !mine(ends.a)) return; // rows of `a` count the energy
-    draft.xi = energy ? Vector<2>(2.0 * half) : arm.xi;
-    judge(draft, ends, energy ? begin : x, draft.xi, {x, part_.lattice().point(other)});
-    keep(draft, ends);
+    bond.xi = energy ? Vector<2>(2.0 * half) : arm.xi;
+    judge(bond, ends, energy ? begin : x, bond.xi, {x, part_.lattice().point(other)});
+    keep(bond, ends);
   }
 
   /// Is the part of the bond that acts cut by a crack, and may it break?
-  void judge(Draft& draft, const Ends& ends, const Vector<2>& begin, const Vector<2>& acts,
+  void judge(CarriedBond<2>& bond, const Ends& ends, const Vector<2>& begin, const Vector<2>& acts,
              const std::array<Vector<2>, 2>& sites) const
   {
-    for (const Host* host : {ends.a, ends.b, ends.force_a, ends.force_b})
-      draft.cut = draft.cut || (host && host->across);
+    for (const Host* host : {ends.a, ends.b, ends.force_a, ends.force_b}) bond.cut = bond.cut || (host && host->across);
     // A bond that meets the border where a crack enters moves there with its own side, from whichever side it comes.
     const auto touch = [&acts](const Host* end) { return Vector<2>((end && end->sided ? kTouch : 0.0) * acts); };
     const Vector<2> from = begin + touch(ends.a), to = begin + acts - touch(ends.b);
     for (const crack::CrackSet* cracks : {options_.cracks, options_.seams})
-      draft.cut = draft.cut || (cracks && cracks->cuts(from, to));
+      bond.cut = bond.cut || (cracks && cracks->cuts(from, to));
     for (const geom::Box<2>& box : options_.no_fail)
-      for (const Vector<2>& end : sites) draft.no_fail = draft.no_fail || box.contains(end);
+      for (const Vector<2>& end : sites) bond.no_fail = bond.no_fail || box.contains(end);
   }
 
   const field::Rows& rows_;
   const CouplingOptions& options_;
   const Part& part_;
+  Index patch_;
   const Surroundings& around_;
   CarriedPoints<2>& points_;
+  std::vector<CarriedBond<2>>& bonds_;
   pd::Exists<2> exists_;
   std::optional<geom::Box<2>> mine_;
   std::vector<std::array<std::vector<geom::LinePiece<2>>, 2>> lines_; // per half arm, backwards and along it
   pd::BondFactors<2> factors_;
-  std::vector<Draft> drafts_;
+  std::vector<Unfinished> unfinished_;
 };
-
-/// Finds the rows of particles of other ranks. Collective.
-void complete(std::vector<Draft>& drafts, const Part& part)
-{
-  std::vector<Index> sites;
-  for (const Draft& draft : drafts)
-    if (draft.site >= 0 && draft.row < 0) sites.push_back(draft.site);
-  const std::vector<PetscInt> rows = part.directory().rows(sites);
-  std::size_t next = 0;
-  for (Draft& draft : drafts)
-    if (draft.site >= 0 && draft.row < 0) draft.row = rows[next++];
-}
 } // namespace
 
 std::optional<pd::LatticePart<2>::BondAt> lattice_bond(std::uint64_t key, const geom::SiteNames& names,
@@ -300,35 +302,8 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
   Timed timed(event);
   CarriedPoints<2> points;
   std::vector<CarriedBond<2>> bonds;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    std::vector<Draft> drafts = Drafter(rows, options, *parts[p], around[p], points).write();
-    complete(drafts, *parts[p]);
-    bonds.reserve(bonds.size() + drafts.size());
-    PetscInt last_row = -1;
-    Index last_point = -1;
-    for (const Draft& draft : drafts) {
-      CarriedBond<2> bond;
-      bond.xi = draft.xi;
-      bond.kappa = draft.kappa;
-      bond.energy_share = draft.energy_share;
-      bond.volume = draft.volume;
-      bond.cut = draft.cut;
-      bond.no_fail = draft.no_fail;
-      bond.patch = static_cast<int>(p);
-      bond.key = draft.key;
-      bond.leaves = draft.leaves;
-      bond.a = draft.a;
-      bond.force_a = draft.force_a;
-      bond.b = draft.b;
-      bond.force_b = draft.force_b;
-      if (draft.site >= 0) {
-        if (draft.row != last_row) last_point = points.add(Host::of_row(draft.row));
-        last_row = draft.row;
-        bond.a = bond.force_a = last_point;
-      }
-      bonds.push_back(bond);
-    }
-  }
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    Drafter(rows, options, *parts[p], static_cast<Index>(p), around[p], points, bonds).write();
   return std::make_unique<CarriedBonds<2>>(rows, std::move(points), std::move(bonds), options.kinematics,
                                            options.scheme != Scheme::interface);
 }

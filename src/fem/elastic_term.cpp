@@ -23,8 +23,8 @@ double largest_ratio(const ElementMatrix& stiffness, const Eigen::Vector4d& area
 } // namespace
 
 ElasticTerm::ElasticTerm(const mesh::Mesh& mesh, const law::Elastic& law, Kinematics kinematics,
-                         std::vector<PetscInt> node_rows)
-    : body_{mesh, law, kinematics}, node_rows_(std::move(node_rows))
+                         std::vector<PetscInt> node_rows, const CornerAreas* areas)
+    : body_{mesh, law, kinematics}, areas_(areas ? *areas : own_areas_.emplace(mesh)), node_rows_(std::move(node_rows))
 {
   int rank = 0;
   MPI_Comm_rank(mesh.comm(), &rank);
@@ -75,6 +75,7 @@ void ElasticTerm::bind(const field::RowHalo& halo)
 void ElasticTerm::sort_for_sweeps()
 {
   std::vector<ElementSweep::Element> elements;
+  elements.reserve(cells_.size());
   for (std::size_t k = 0; k < cells_.size(); ++k)
     elements.push_back({body_.mesh.corners(cells_[k]), rows_of(cells_[k]), counted_[k] != 0});
   sweep_ = ElementSweep(body_.law, body_.kinematics, elements, owned_rows_);
@@ -157,7 +158,7 @@ void ElasticTerm::add_mass(std::span<double> mass) const
   const double per_area = body_.law.density * body_.law.thickness;
   for (const Index c : cells_) {
     const CellRows rows = rows_of(c);
-    const Eigen::Vector4d areas = corner_areas(body_.mesh.corners(c));
+    const Eigen::Vector4d& areas = areas_.of(c);
     for (std::size_t a = 0; a < 4; ++a)
       if (rows[a] < owned_rows_) mass[static_cast<std::size_t>(rows[a])] += per_area * areas[static_cast<Index>(a)];
   }
@@ -172,7 +173,7 @@ void ElasticTerm::add_stiffness_bound(std::span<double> blocks) const
     const Corners corners = body_.mesh.corners(c);
     const ElementMatrix& stiffness = reused.of(corners);
     if (reused.integrations() > integrations) {
-      const Eigen::Vector4d areas = corner_areas(corners);
+      const Eigen::Vector4d& areas = areas_.of(c);
       bound = largest_ratio(stiffness, areas) * areas;
       integrations = reused.integrations();
     }

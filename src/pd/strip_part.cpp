@@ -51,6 +51,7 @@ template <int Dim> void StripPart<Dim>::watch(double critical_stretch)
   critical_stretch_ = critical_stretch;
   const double e = kinematics_ == Kinematics::linear ? critical_stretch : critical_stretch * (2.0 + critical_stretch);
   threshold_ = e * (1.0 - kRoom) - kLeastRoom;
+  for (StripTask& task : tasks_) task.limit = threshold_;
 }
 
 template <int Dim> void StripPart<Dim>::load(std::span<const double> owned)
@@ -207,7 +208,7 @@ template <int Dim> Broken StripPart<Dim>::break_bonds(field::ForceLosses* losses
   if (part_.protects_any()) breakable.words = {breakable_[0].data(), breakable_[1].data()};
   for (StripTask& task : tasks_) {
     if (!(task.highest > threshold_)) continue;
-    find_overstretched<Dim>(processor_, breakable, task.box, kinematics_, critical_stretch_, found_);
+    find_overstretched<Dim>(processor_, breakable, task.closer(), kinematics_, critical_stretch_, found_);
     task.highest = 0.0;
   }
   std::vector<LostBond<Dim>> lost;
