@@ -29,13 +29,12 @@ std::vector<Vector<2>> mouths(const SceneView& scene)
   return found;
 }
 
-std::vector<Front> fronts(const SceneView& scene, std::span<const Reaches> reaches, const std::vector<bool>& news)
+std::vector<Front> fronts(const SceneView& scene, std::span<const Reaches> reaches, std::span<const Index> news)
 {
-  const std::vector<Vector<2>> behind = mouths(scene);
+  const std::vector<Vector<2>> behind = news.empty() ? std::vector<Vector<2>>() : mouths(scene);
   std::vector<Front> mine;
-  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
-    if (!news[k]) continue;
-    const pd::Particle& p = scene.particles[k];
+  for (const Index k : news) {
+    const pd::Particle& p = scene.particles[static_cast<std::size_t>(k)];
     const auto patch = static_cast<std::size_t>(p.patch);
     const double critical = (1.0 - kSame) * reaches[patch].critical;
     const double wake = critical + scene.bonds.parts()[patch]->stencil().horizon;
@@ -58,9 +57,9 @@ bool is_whole(const SceneView& scene, Index cell)
 
 std::optional<Vector<2>> broken_at_border(const SceneView& scene, std::span<const Reaches> reaches)
 {
-  const couple::ParticleDamage all = couple::particle_damage(scene.halo.rows(), scene.bonds, scene.carried);
-  std::vector<bool> broken(scene.particles.size());
-  for (std::size_t k = 0; k < broken.size(); ++k) broken[k] = all.damage[k] > kGrown;
+  std::vector<Index> broken;
+  for (const auto& [k, damage] : couple::damaged_particles(scene.halo.rows(), scene.bonds, scene.carried))
+    if (damage > kGrown) broken.push_back(k);
   const std::vector<Front> near = fronts(scene, reaches, broken);
   if (near.empty()) return std::nullopt;
   const auto& x = std::ranges::min(near, {}, &Front::x).x;
@@ -78,7 +77,7 @@ bool can_expand(const SceneView& scene)
 }
 
 std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches,
-                                           const std::vector<bool>& news, bool spare_held)
+                                           std::span<const Index> news, bool spare_held)
 {
   const std::vector<Front> damage = fronts(scene, reaches, news);
   if (damage.empty()) return {};

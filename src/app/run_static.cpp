@@ -204,6 +204,7 @@ private:
     solve::StaticReport report = driver_->report();
     driver_.reset();
     if (!change_.empty()) ++files_.summary.relocations;
+    mover_.leave_scene();
     scene_.rebuild(change_);
     std::vector<double> start, force; // of the load accepted last
     if (open_) {

@@ -12,7 +12,7 @@ void StaticScene::lay() { ground_ = std::make_unique<scene::Ground>(comm_, layou
 void StaticScene::build()
 {
   d_ = scene::discretise(ground_->mesh, ground_->options, ground_->plan, std::move(ground_->particles), assembled_,
-                         points_.get());
+                         points_.get(), &ground_->areas);
   u_ = d_->system.rows.vector();
 }
 

@@ -259,28 +259,48 @@ void CarriedBonds<Dim>::overstretched(std::span<const double> u, std::span<const
 }
 
 /// Of the particles that have bonds here, summed up anew only after bonds broke.
-template <int Dim> void CarriedBonds<Dim>::add_bonded_volume(std::span<pd::BondedVolume> volumes) const
+template <int Dim> const std::vector<std::pair<Index, pd::BondedVolume>>& CarriedBonds<Dim>::volumes() const
 {
-  if (volumes_revision_ != revision_) {
-    volumes_revision_ = revision_;
-    volumes_.clear();
-    for (std::size_t number = 0; number < bonds_.size(); ++number) {
-      const CarriedBond<Dim>& bond = bonds_[number];
-      if (bond.volume == 0.0 || !counted(bond)) continue;
-      const Index row = points_.rows(bond.a).front();
-      if (volumes_.empty() || volumes_.back().first != row) volumes_.push_back({row, {}});
-      pd::BondedVolume& volume = volumes_.back().second;
-      volume.whole += bond.volume;
-      if (!bond.cut) volume.start += bond.volume;
-      if (!gone_[number]) volume.now += bond.volume;
-    }
+  if (volumes_revision_ == revision_) return volumes_;
+  volumes_revision_ = revision_;
+  volumes_.clear();
+  for (std::size_t number = 0; number < bonds_.size(); ++number) {
+    const CarriedBond<Dim>& bond = bonds_[number];
+    if (bond.volume == 0.0 || !counted(bond)) continue;
+    const Index row = points_.rows(bond.a).front();
+    if (volumes_.empty() || volumes_.back().first != row) volumes_.push_back({row, {}});
+    pd::BondedVolume& volume = volumes_.back().second;
+    volume.whole += bond.volume;
+    if (!bond.cut) volume.start += bond.volume;
+    if (!gone_[number]) volume.now += bond.volume;
   }
-  for (const auto& [row, volume] : volumes_) {
-    pd::BondedVolume& sum = volumes[static_cast<std::size_t>(row)];
-    sum.whole += volume.whole;
-    sum.start += volume.start;
-    sum.now += volume.now;
-  }
+  return volumes_;
+}
+
+namespace {
+void add_up(pd::BondedVolume& sum, const pd::BondedVolume& more)
+{
+  sum.whole += more.whole;
+  sum.start += more.start;
+  sum.now += more.now;
+}
+} // namespace
+
+template <int Dim> void CarriedBonds<Dim>::add_bonded_volume(std::span<pd::BondedVolume> sums) const
+{
+  for (const auto& [row, volume] : volumes()) add_up(sums[static_cast<std::size_t>(row)], volume);
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_bonded_volume(Index row, pd::BondedVolume& sum) const
+{
+  const auto of_row = std::ranges::equal_range(volumes(), row, {}, [](const auto& entry) { return entry.first; });
+  for (const auto& entry : of_row) add_up(sum, entry.second);
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_thinned(std::vector<Index>& rows) const
+{
+  for (const auto& [row, volume] : volumes())
+    if (volume.start != volume.now) rows.push_back(row);
 }
 
 template <int Dim> std::vector<std::uint64_t> CarriedBonds<Dim>::broken() const

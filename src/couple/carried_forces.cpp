@@ -10,7 +10,7 @@ namespace pdx::couple {
 template <int Dim> void CarriedBonds<Dim>::bind(const field::RowHalo& halo)
 {
   points_.bind(halo);
-  fill_lanes();
+  laid_out_ = false;
 }
 
 template <int Dim> void CarriedBonds<Dim>::add_mass(std::span<double> mass) const
@@ -27,14 +27,15 @@ template <int Dim> void CarriedBonds<Dim>::add_mass(std::span<double> mass) cons
 template <int Dim> void CarriedBonds<Dim>::step_explicitly()
 {
   std::vector<RunBond<Dim>> along_sides;
+  along_sides.reserve(bonds_.size());
   for (std::size_t number = 0; number < bonds_.size(); ++number) {
     const CarriedBond<Dim>& bond = bonds_[number];
     if (bond.leaves.side < 0 || !starts_at_row(bond)) continue;
     along_sides.push_back(
         {number, points_.rows(bond.a)[0], bond.b, bond.patch, bond.no_fail, bond.stretch, bond.xi, bond.leaves});
   }
-  runs_ = std::make_unique<CarriedRuns<Dim>>(points_, std::move(along_sides), rows_.owned());
-  fill_lanes();
+  runs_ = std::make_unique<CarriedRuns<Dim>>(points_, along_sides, rows_.owned());
+  laid_out_ = false;
 }
 
 /// Most bonds go from a particle to a point of an edge or an element, and act where they stretch.
@@ -44,8 +45,9 @@ template <int Dim> bool CarriedBonds<Dim>::starts_at_row(const CarriedBond<Dim>&
          points_.weights(bond.a)[0] == 1.0;
 }
 
-template <int Dim> void CarriedBonds<Dim>::fill_lanes()
+template <int Dim> void CarriedBonds<Dim>::fill_lanes() const
 {
+  laid_out_ = true;
   std::vector<bool> in_run(bonds_.size(), false);
   if (runs_)
     for (const std::size_t number : runs_->numbers()) in_run[number] = true;
@@ -71,6 +73,7 @@ template <int Dim> void CarriedBonds<Dim>::fill_lanes()
 /// one.
 template <int Dim> void CarriedBonds<Dim>::refresh_lanes() const
 {
+  if (!laid_out_) fill_lanes();
   if (lanes_revision_ == revision_) return;
   lanes_revision_ = revision_;
   constexpr double kEarly = 1.0 - 1e-12;

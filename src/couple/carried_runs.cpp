@@ -5,25 +5,12 @@
 
 namespace pdx::couple {
 namespace carried_runs {
-constexpr Index kTile = 64, kMargin = 24, kPlaces = kTile + 2 * kMargin; // of a side; bonds lead into the margins
+constexpr Index kMargin = 24, kPlaces = kRunTile + 2 * kMargin; // of a side; bonds lead into the margins
 /// Places that a bond leads along a side, at most: a block of 8 that moves on by them stays in the margins.
 constexpr Index kFarthest = 16;
-constexpr double kBorder = 1e-6;  // of a lattice cell: so near to its border is on it
 constexpr double kSame = 1e-11;   // two weights, apart by rounding
 constexpr std::size_t kLeast = 2; // bonds of a run
 constexpr double kWorth = 1.5;    // bonds for each block of whatever their tile needs
-
-/// The lattice cell in which a bond meets the side, counted from its particle's, and where in it; the border of two is
-/// the beginning of the upper one.
-struct Meeting {
-  Index cell;
-  std::int64_t within; // millionths of the cell
-};
-Meeting meeting(double along)
-{
-  const double at = along + 0.5, cell = std::floor(at + kBorder);
-  return {static_cast<Index>(cell), std::llround((at - cell) * 1e6)};
-}
 
 /// Are all weights of a those of b? What b has none of weighs nothing.
 template <int Dim> bool weighs_as(const CarriedPoints<Dim>& points, Index a, Index b)
@@ -35,12 +22,6 @@ template <int Dim> bool weighs_as(const CarriedPoints<Dim>& points, Index a, Ind
     if (!(std::abs(points.weights(a)[k] - other) <= kSame)) return false;
   }
   return true;
-}
-/// Bonds of one kind are alike but for their places.
-template <int Dim> auto kind(const RunBond<Dim>& bond)
-{
-  return std::tuple(bond.leaves.depth, meeting(bond.leaves.along).cell, bond.no_fail, bond.stretch, bond.xi[0],
-                    bond.xi[1]);
 }
 
 template <int Dim> bool same(const CarriedPoints<Dim>& points, Index a, Index b)
@@ -74,11 +55,10 @@ template <int Dim> struct CarriedRuns<Dim>::Piece {
 /// A tile before it is laid out.
 template <int Dim> class CarriedRuns<Dim>::Tile {
 public:
-  Tile(const CarriedPoints<Dim>& points, std::span<const RunBond<Dim>> bonds) : points_(points)
+  Tile(const CarriedPoints<Dim>& points, std::span<const PlacedBond<Dim>> bonds) : points_(points)
   {
-    const auto kind = [](const RunBond<Dim>& b) { return carried_runs::kind(b); };
     for (auto first = bonds.begin(), end = first; first != bonds.end(); first = end) {
-      end = std::find_if(first, bonds.end(), [&](const RunBond<Dim>& b) { return kind(b) != kind(*first); });
+      end = std::find_if(first, bonds.end(), [&](const PlacedBond<Dim>& b) { return b.kind != first->kind; });
       take({first, end});
     }
     order();
@@ -115,11 +95,12 @@ public:
 
 private:
   /// Bonds of one kind, in order of places: those from one particle to other points are a run for themselves.
-  void take(std::span<const RunBond<Dim>> bonds)
+  void take(std::span<const PlacedBond<Dim>> bonds)
   {
     std::vector<Piece> apart;
-    for (const RunBond<Dim>& bond : bonds) {
-      const Index place = bond.leaves.place % carried_runs::kTile + carried_runs::kMargin;
+    for (const PlacedBond<Dim>& placed : bonds) {
+      const RunBond<Dim>& bond = *placed.bond;
+      const Index place = placed.place % kRunTile + carried_runs::kMargin;
       const auto fits = [&](const Piece& piece) {
         const auto& last = piece.lanes.back();
         if (last.place == place) return carried_runs::same(points_, last.point, bond.point);
@@ -130,13 +111,14 @@ private:
       if (piece->lanes.empty() || piece->lanes.back().place < place) piece->lanes.push_back({place, bond.point, {}});
       piece->lanes.back().bonds.push_back(&bond);
     }
-    const carried_runs::Meeting met = carried_runs::meeting(bonds.front().leaves.along);
-    const Index cell = met.cell;
+    const Index cell = bonds.front().cell;
+    const std::int64_t within = bonds.front().within;
+    const Index depth = bonds.front().bond->leaves.depth;
     for (Piece& piece : apart) {
       if (piece.lanes.size() < carried_runs::kLeast || std::abs(cell) > carried_runs::kFarthest) continue;
       piece.cell = cell;
-      piece.from = line(from, bonds.front().leaves.depth, [](const Line&) { return true; });
-      piece.to = line(to, met.within, [&](const Line& points) {
+      piece.from = line(from, depth, [](const Line&) { return true; });
+      piece.to = line(to, within, [&](const Line& points) {
         return std::ranges::all_of(piece.lanes, [&](const auto& lane) {
           const Index there = points.who[static_cast<std::size_t>(lane.place + cell)];
           return there < 0 || carried_runs::same(points_, there, lane.point);
@@ -175,45 +157,13 @@ private:
   const CarriedPoints<Dim>& points_;
 };
 
-/// Counts places on through all sides of a patch: those that lie alike have numbers next to each other, and their bonds
-/// are in the same runs. Between sides nothing meets: each has places for its particles and for its points.
-template <int Dim> void CarriedRuns<Dim>::join_sides(std::span<RunBond<Dim>> bonds)
-{
-  struct Extent {
-    Index first = std::numeric_limits<Index>::max(), last = std::numeric_limits<Index>::min(), begin = 0;
-  };
-  std::map<std::pair<Index, Index>, Extent> sides; // of each patch
-  for (const RunBond<Dim>& bond : bonds) {
-    Extent& side = sides[{bond.patch, bond.leaves.side}];
-    const Index place = bond.leaves.place, there = place + carried_runs::meeting(bond.leaves.along).cell;
-    side.first = std::min({side.first, place, there});
-    side.last = std::max({side.last, place, there});
-  }
-  Index begin = 0, patch = -1;
-  for (auto& [name, side] : sides) {
-    if (name.first != patch) begin = 0;
-    patch = name.first;
-    side.begin = begin;
-    begin += side.last - side.first + 1;
-  }
-  for (RunBond<Dim>& bond : bonds) {
-    const Extent& side = sides[{bond.patch, bond.leaves.side}];
-    bond.leaves.place += side.begin - side.first;
-  }
-}
-
 template <int Dim>
-CarriedRuns<Dim>::CarriedRuns(const CarriedPoints<Dim>& points, std::vector<RunBond<Dim>> bonds, Index owned)
+CarriedRuns<Dim>::CarriedRuns(const CarriedPoints<Dim>& points, std::span<const RunBond<Dim>> bonds, Index owned)
     : owned_(owned)
 {
-  join_sides(bonds);
-  const auto tile = [](const RunBond<Dim>& b) { return std::pair(b.patch, b.leaves.place / carried_runs::kTile); };
-  const auto key = [&](const RunBond<Dim>& b) {
-    return std::tuple(tile(b), carried_runs::kind(b), b.leaves.place, b.number);
-  };
-  std::ranges::sort(bonds, {}, key);
-  for (auto first = bonds.begin(), end = first; first != bonds.end(); first = end) {
-    end = std::find_if(first, bonds.end(), [&](const RunBond<Dim>& b) { return tile(b) != tile(*first); });
+  const std::vector<PlacedBond<Dim>> sorted = in_order<Dim>(bonds);
+  for (auto first = sorted.begin(), end = first; first != sorted.end(); first = end) {
+    end = std::find_if(first, sorted.end(), [&](const PlacedBond<Dim>& b) { return b.tile() != first->tile(); });
     const Tile draft(points, {first, end});
     if (draft.worth_it()) add(draft, points);
   }

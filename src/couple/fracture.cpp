@@ -109,6 +109,25 @@ ParticleDamage particle_damage(const field::Rows& rows, const pd::BondTerm<Dim>&
   }
   return result;
 }
+
+std::vector<Damaged> damaged_particles(const field::Rows& rows, const pd::BondTerm<2>& bonds,
+                                       const CarriedBonds<2>* carried)
+{
+  std::vector<Index> thinned;
+  for (const auto& part : bonds.parts()) part->add_thinned(thinned);
+  if (carried) carried->add_thinned(thinned);
+  std::ranges::sort(thinned);
+  thinned.erase(std::unique(thinned.begin(), thinned.end()), thinned.end());
+  std::vector<Damaged> found;
+  for (const Index row : thinned) {
+    pd::BondedVolume volume;
+    for (const auto& part : bonds.parts()) part->add_bonded_volume(row, volume);
+    if (carried) carried->add_bonded_volume(row, volume);
+    if (const double damage = pd::damage(volume); damage > 0.0) found.push_back({row - rows.first_particle(), damage});
+  }
+  return found;
+}
+
 template ParticleDamage particle_damage<2>(const field::Rows&, const pd::BondTerm<2>&, const CarriedBonds<2>*);
 template ParticleDamage particle_damage<3>(const field::Rows&, const pd::BondTerm<3>&, const CarriedBonds<3>*);
 } // namespace pdx::couple

@@ -15,7 +15,11 @@ bool Host::add(PetscInt row, double weight)
   std::size_t k = 0;
   while (k < static_cast<std::size_t>(count) && rows[k] != row) ++k;
   if (k == rows.size()) return false;
-  if (k == static_cast<std::size_t>(count)) rows[static_cast<std::size_t>(count++)] = row;
+  if (k == static_cast<std::size_t>(count)) {
+    rows[k] = row;
+    weights[k] = tied[k] = 0.0;
+    ++count;
+  }
   weights[k] += weight;
   tied[k] += weight;
   return true;
@@ -33,7 +37,7 @@ bool Host::cross(PetscInt node, PetscInt set, double weight, double factor)
 
 bool Host::mix(const Host& other)
 {
-  for (std::size_t k = 0; k < rows.size(); ++k) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
     weights[k] *= 0.5;
     tied[k] *= 0.5;
   }

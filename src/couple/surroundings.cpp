@@ -83,7 +83,7 @@ struct Surroundings::Trace {
   /// The linear trace at s itself.
   void at(double s, Host& host) const
   {
-    host = {};
+    host.clear();
     const Edge* edge = edge_beside(s, host.sided);
     const double t = std::clamp((s - edge->begin) / (edge->end - edge->begin), 0.0, 1.0);
     static_assert(Host::kRows >= 4); // two nodes and a set of each: there is room
@@ -99,7 +99,7 @@ struct Surroundings::Trace {
   /// or seam.
   bool mean_over(const Interval& cell, double s, Host& host) const
   {
-    host = {};
+    host.clear();
     const double dx = cell.end - cell.begin, offset = (s - 0.5 * (cell.begin + cell.end)) / dx;
     const double tiny = kTiny * dx;
     double filled = 0.0;

@@ -26,9 +26,10 @@ Host host_in_cell(const ElementView& scene, Index cell, const Vector<2>& x)
   return host;
 }
 
-void Surroundings::find_outside(const ElementView& scene, std::span<const Surroundings> patches, bool hosts,
-                                std::vector<OutsideRecord>& found)
+std::vector<Surroundings::OutsideSite>
+Surroundings::find_outside(const ElementView& scene, std::span<const Surroundings> patches, std::vector<Host>* hosts)
 {
+  std::vector<OutsideSite> found;
   const mesh::Mesh& mesh = scene.mesh;
   std::vector<geom::SiteSet<2>> near;
   std::vector<geom::Box<2>> bounds; // of all sites that are looked at
@@ -48,11 +49,12 @@ void Surroundings::find_outside(const ElementView& scene, std::span<const Surrou
       if ((lower.array() > bounds[p].upper.array()).any() || (upper.array() < bounds[p].lower.array()).any()) continue;
       mesh::for_each_site(mesh, c, shape.lattice, patches[p].band_, [&](const Site<2>& site, const Vector<2>& x) {
         if (shape.active.has(site) || !near[p].has(site)) return;
-        const bool element = hosts && mesh.use(c) != mesh::Use::covered;
-        found.push_back({{static_cast<int>(p), site}, element ? host_in_cell(scene, c, x) : Host{}});
+        found.push_back({static_cast<int>(p), site});
+        if (hosts) hosts->push_back(mesh.use(c) == mesh::Use::covered ? Host() : host_in_cell(scene, c, x));
       });
     }
   }
+  return found;
 }
 
 Surroundings::Edge Surroundings::edge_of(const ElementView& scene, Index behind, std::array<Index, 2> vertices,
@@ -130,24 +132,18 @@ std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span
     around.cracks_ = sets ? &sets->cracks() : nullptr;
     around.seams_ = seams;
   }
-  std::vector<OutsideRecord> outside;
   std::vector<EdgeRecord> edges;
   const ElementView scene{mesh, node_rows, sets};
-  find_outside(scene, all, hosts, outside);
+  std::vector<Host> holders;
+  std::vector<OutsideSite> outside = find_outside(scene, all, hosts ? &holders : nullptr);
+  outside = gather_all(mesh.comm(), outside);
+  holders = gather_all(mesh.comm(), holders);
   find_edges(scene, all, edges);
-  const auto place = [&all](const OutsideSite& outside_site) {
-    Surroundings& around = all[static_cast<std::size_t>(outside_site.patch)];
-    around.where_[around.position(outside_site.site)] = static_cast<Index>(around.hosts_.size());
-  };
-  if (hosts)
-    for (const OutsideRecord& record : gather_all(mesh.comm(), outside)) {
-      all[static_cast<std::size_t>(record.patch)].hosts_.push_back(record.host);
-      place(record);
-    }
-  else {
-    for (Surroundings& around : all) around.hosts_.resize(1);
-    for (const OutsideSite& site : gather_all(mesh.comm(), std::vector<OutsideSite>(outside.begin(), outside.end())))
-      place(site);
+  for (Surroundings& around : all) around.hosts_.resize(hosts ? 0 : 1);
+  for (std::size_t k = 0; k < outside.size(); ++k) {
+    Surroundings& around = all[static_cast<std::size_t>(outside[k].patch)];
+    if (hosts) around.hosts_.push_back(holders[k]);
+    around.where_[around.position(outside[k].site)] = hosts ? static_cast<Index>(around.hosts_.size()) : 1;
   }
   for (const EdgeRecord& record : gather_all(mesh.comm(), edges))
     all[static_cast<std::size_t>(record.patch)].sides_[static_cast<std::size_t>(record.side)].edges.push_back(

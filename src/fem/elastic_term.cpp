@@ -23,8 +23,9 @@ double largest_ratio(const ElementMatrix& stiffness, const Eigen::Vector4d& area
 } // namespace
 
 ElasticTerm::ElasticTerm(const mesh::Mesh& mesh, const law::Elastic& law, Kinematics kinematics,
-                         std::vector<PetscInt> node_rows, const law::Regions* regions)
-    : body_{mesh, law, kinematics, regions}, node_rows_(std::move(node_rows))
+                         std::vector<PetscInt> node_rows, const law::Regions* regions, const CornerAreas* areas)
+    : body_{mesh, law, kinematics, regions}, areas_(areas ? *areas : own_areas_.emplace(mesh)),
+      node_rows_(std::move(node_rows))
 {
   int rank = 0;
   MPI_Comm_rank(mesh.comm(), &rank);
@@ -172,7 +173,7 @@ void ElasticTerm::add_mass(std::span<double> mass) const
     const law::Elastic& law = body_.law_of(c);
     const double per_area = law.density * law.thickness;
     const CellRows rows = rows_of(c);
-    const Eigen::Vector4d areas = corner_areas(body_.mesh.corners(c));
+    const Eigen::Vector4d& areas = areas_.of(c);
     for (std::size_t a = 0; a < 4; ++a)
       if (rows[a] < owned_rows_) mass[static_cast<std::size_t>(rows[a])] += per_area * areas[static_cast<Index>(a)];
   }
@@ -189,7 +190,7 @@ void ElasticTerm::add_stiffness_bound(std::span<double> blocks) const
     const ElementMatrix& stiffness = reused[number].of(corners);
     Eigen::Vector4d& bound = bounds[number];
     if (reused[number].integrations() > integrations[number]) {
-      const Eigen::Vector4d areas = corner_areas(corners);
+      const Eigen::Vector4d& areas = areas_.of(c);
       bound = largest_ratio(stiffness, areas) * areas;
       integrations[number] = reused[number].integrations();
     }

@@ -56,13 +56,15 @@ std::vector<RectangleRun> take_runs(std::span<const ElementSweep::Element> eleme
 {
   std::vector<Candidate> candidates;
   std::vector<std::size_t> others;
+  candidates.reserve(rest.size());
   for (const std::size_t k : rest)
     if (auto found = candidate_of(elements[k], owned)) {
       found->element = k;
       candidates.push_back(*found);
     } else
       others.push_back(k);
-  std::ranges::sort(candidates, {}, [](const Candidate& c) { return std::tuple(c.run.first, c.element); });
+  const auto order = [](const Candidate& c) { return std::tuple(c.run.first, c.element); };
+  if (!std::ranges::is_sorted(candidates, {}, order)) std::ranges::sort(candidates, {}, order);
   std::vector<RectangleRun> runs;
   for (std::size_t begin = 0, end = 0; begin < candidates.size(); begin = end) {
     RectangleRun run = candidates[begin].run;
@@ -98,6 +100,7 @@ ElementSweep::ElementSweep(const law::Elastic& law, Kinematics kinematics, std::
   for (const bool counted : {true, false}) {
     Part part{counted, {}, {}};
     std::vector<std::size_t> rest;
+    rest.reserve(elements.size());
     for (std::size_t k = 0; k < elements.size(); ++k)
       if (elements[k].counted == counted) rest.push_back(k);
     part.runs = take_runs(elements, owned, shortest, rest);

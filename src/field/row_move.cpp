@@ -55,6 +55,12 @@ RowMove::RowMove(MPI_Comm comm, std::span<const RowName> from, std::span<const R
     : wanted_(to.size()), stays_(from.size(), 0)
 {
   std::vector<Index> places;
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  if (ranks == 1 && wanted != Wanted::often) {
+    fresh_ = find_here(from, to);
+    return;
+  }
   if (wanted == Wanted::once) {
     places = find_here(from, to);
     if (!any_rank(comm, !places.empty())) return;

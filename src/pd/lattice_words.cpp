@@ -351,29 +351,6 @@ template <int Dim> const std::vector<double>& LatticePart<Dim>::bonded_volume_no
   return now_volume_;
 }
 
-template <int Dim> void LatticePart<Dim>::forget_volume() const
-{
-  now_volume_.clear();
-  thinned_.clear();
-}
-
-template <int Dim> void LatticePart<Dim>::remember_volume()
-{
-  if (whole_volume_.empty()) whole_volume_ = start_volume_ = bonded_volume_now();
-}
-
-template <int Dim> void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolume> volumes) const
-{
-  const std::vector<double>& now = bonded_volume_now();
-  const bool changed = !whole_volume_.empty();
-  for (std::size_t k = 0; k < now.size(); ++k) {
-    BondedVolume& volume = volumes[static_cast<std::size_t>(first_row_) + k];
-    volume.whole += changed ? whole_volume_[k] : now[k];
-    volume.start += changed ? start_volume_[k] : now[k];
-    volume.now += now[k];
-  }
-}
-
 #define PDX_INSTANTIATE(Dim)                                                                                           \
   template void LatticePart<Dim>::find_traits();                                                                       \
   template void LatticePart<Dim>::make_runs() const;                                                                   \
@@ -391,7 +368,7 @@ template <int Dim> void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolu
   template void LatticePart<Dim>::set_gone(std::span<const LatticePart<Dim>::BondAt>);                                 \
   template std::int64_t LatticePart<Dim>::bonds() const;                                                               \
   template void LatticePart<Dim>::weak_rows(std::vector<Index>&) const;                                                \
-  template void LatticePart<Dim>::add_bonded_volume(std::span<BondedVolume>) const
+  template const std::vector<double>& LatticePart<Dim>::bonded_volume_now() const
 PDX_INSTANTIATE(2);
 PDX_INSTANTIATE(3);
 #undef PDX_INSTANTIATE

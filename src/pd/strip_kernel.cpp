@@ -178,20 +178,28 @@ private:
   template <int W, class Law, bool scaled, bool with_energy> PDX_INLINE void sweep_box(StripTask& task) const
   {
     Seen<W> seen;
+    Lanes<W> highest{};
     const StripBox& box = task.box;
+    task.lines = {box.lines, 0};
+    task.planes = {box.planes, 0};
     for (int plane = 0; plane < box.planes; ++plane)
       for (int line = 0; line < box.lines; ++line) {
         const std::ptrdiff_t first = box.first + plane * box.plane + line * box.line;
+        seen.highest = Lanes<W>{};
         for (int c = 0; c < box.columns; ++c)
           if (scaled && view.classes[first + c])
             sweep_vector<W, Law, true, with_energy>(view, first + c, seen);
           else
             sweep_vector<W, Law, false, with_energy>(view, first + c, seen);
+        highest = seen.highest > highest ? seen.highest : highest;
+        if (!any_true(seen.highest > task.limit)) continue;
+        task.lines = {std::min(task.lines[0], line), std::max(task.lines[1], line + 1)};
+        task.planes = {std::min(task.planes[0], plane), std::max(task.planes[1], plane + 1)};
       }
     task.lowest = task.highest = 0.0;
     for (int l = 0; l < W; ++l) {
       task.lowest = std::min(task.lowest, seen.lowest[l]);
-      task.highest = std::max(task.highest, seen.highest[l]);
+      task.highest = std::max(task.highest, highest[l]);
     }
     task.energy = with_energy ? sum_of<W>(seen.energy) : 0.0;
   }

@@ -57,13 +57,15 @@ template <int Dim> void StripPart<Dim>::watch(double critical_stretch)
   critical_stretch_ = least_stretch_ = critical_stretch;
   threshold_ = limit_of(critical_stretch) * (1.0 - kRoom) - kLeastRoom;
   thresholds_.clear();
-  if (!part_.stretches_vary()) return;
-  watch_tiles();
-  least_stretch_ = std::numeric_limits<double>::infinity();
-  for (double& least : thresholds_) {
-    least_stretch_ = std::min(least_stretch_, critical_stretch_ * least);
-    least = limit_of(critical_stretch_ * least) * (1.0 - kRoom) - kLeastRoom;
+  if (part_.stretches_vary()) {
+    watch_tiles();
+    least_stretch_ = std::numeric_limits<double>::infinity();
+    for (double& least : thresholds_) {
+      least_stretch_ = std::min(least_stretch_, critical_stretch_ * least);
+      least = limit_of(critical_stretch_ * least) * (1.0 - kRoom) - kLeastRoom;
+    }
   }
+  for (std::size_t t = 0; t < tasks_.size(); ++t) tasks_[t].limit = threshold(t);
 }
 
 template <int Dim> void StripPart<Dim>::load(std::span<const double> owned)
@@ -236,7 +238,7 @@ template <int Dim> Broken StripPart<Dim>::break_bonds(field::ForceLosses* losses
   for (std::size_t t = 0; t < tasks_.size(); ++t) {
     StripTask& task = tasks_[t];
     if (!(task.highest > threshold(t))) continue;
-    find_overstretched<Dim>(processor_, breakable, task.box, kinematics_, least_stretch_, found_);
+    find_overstretched<Dim>(processor_, breakable, task.closer(), kinematics_, least_stretch_, found_);
     task.highest = 0.0;
   }
   std::vector<LostBond<Dim>> lost;

@@ -211,11 +211,12 @@ const law::Regions* laws_of(const options::SceneOptions& options)
   return options.regions && !options.regions->one_elastic() ? options.regions.get() : nullptr;
 }
 
-void add_elements(const mesh::Mesh& mesh, const options::SceneOptions& options, Discretisation& d)
+void add_elements(const mesh::Mesh& mesh, const options::SceneOptions& options, const fem::CornerAreas* areas,
+                  Discretisation& d)
 {
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::plain).empty())) {
     auto elements = std::make_unique<fem::ElasticTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows,
-                                                       laws_of(options));
+                                                       laws_of(options), areas);
     d.elements = elements.get();
     d.system.terms.push_back(std::move(elements));
   }
@@ -230,7 +231,7 @@ void add_elements(const mesh::Mesh& mesh, const options::SceneOptions& options, 
 
 std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::SceneOptions& options,
                                            const PatchPlan& plan, std::vector<pd::Particle> particles, bool assembled,
-                                           const PointPlan<2>* points)
+                                           const PointPlan<2>* points, const fem::CornerAreas* areas)
 {
   auto result = std::make_unique<Discretisation>();
   Discretisation& d = *result;
@@ -242,7 +243,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   system.scale = options.elastic.young * options.elastic.thickness;
   for (std::size_t k = 1; options.regions && k < options.regions->count(); ++k)
     system.scale = std::max(system.scale, options.regions->elastic(k).young * options.elastic.thickness);
-  add_elements(mesh, options, d);
+  add_elements(mesh, options, areas, d);
   if (points) add_points(mesh, options, plan, *points, d);
   if (!plan.shapes.empty() || options.converts()) add_peridynamics(mesh, options, plan, d, assembled);
   if (points) add_bodies(mesh, options, d);

@@ -189,7 +189,7 @@ void StateMove::break_bonds() const
 std::vector<std::uint64_t> BrokenBonds::words_of(std::span<const field::RowName> wanted) const
 {
   if (!any_rank(comm, !wanted.empty())) return {};
-  return field::RowMove(comm, torn, wanted).carry(torn_words, width);
+  return field::RowMove(comm, torn, wanted, field::RowMove::Wanted::known).carry(torn_words, width);
 }
 
 Dormant StateMove::dormant() const

@@ -53,7 +53,7 @@ PatchPlan judged_plan(const options::SceneOptions& options, mesh::MeshOptions& m
 Ground::Ground(MPI_Comm comm, options::SceneOptions given, const mesh::MeasuredCosts* costs,
                std::shared_ptr<const PointPlan<2>> bodies)
     : options(std::move(given)), mesh_options(options.mesh), plan(judged_plan(options, mesh_options)),
-      mesh(cut_mesh(comm, mesh_options, cell_cost(plan), costs)), points(std::move(bodies))
+      mesh(cut_mesh(comm, mesh_options, cell_cost(plan), costs)), areas(mesh), points(std::move(bodies))
 {
   if (points) deal_cells(*points, mesh);
   stop_if_told(comm);
@@ -121,7 +121,7 @@ private:
   {
     const bool assembled = ground_.options.time.analysis == options::Analysis::implicit_dynamics;
     d_ = discretise(ground_.mesh, ground_.options, ground_.plan, std::move(ground_.particles), assembled,
-                    ground_.points.get());
+                    ground_.points.get(), &ground_.areas);
     stop_if_told(ground_.mesh.comm());
   }
 

@@ -15,11 +15,11 @@ struct Reaches {
 /// now and is nearer than `critical` to the interface [XPD2 Eqs. 10-14]. Elements that the lattice of the patch does
 /// not divide stay, and those next to a patch of another lattice. Alike on every rank, in the order of natural numbers.
 /// Collective.
-/// @param reaches one per patch   @param news per owned particle: did it lose a bond?
+/// @param reaches one per patch   @param news owned particles that lost a bond
 /// @param spare_held leaves elements with a held node: particles under a held side are not where the side is, and would
 /// be moved there at once
 std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches,
-                                           const std::vector<bool>& news, bool spare_held);
+                                           std::span<const Index> news, bool spare_held);
 
 /// A particle that a crack has come by, nearer than `critical` to the interface, where no crack that elements have
 /// leaves its patch: the first by x and y, nothing where there is none. Alike on every rank. Collective.

@@ -25,7 +25,11 @@ public:
   adapt::LayoutChange look(const adapt::SceneView& scene, const scene::PatchPlan& plan, std::int64_t broken,
                            std::span<const double> local);
   /// Another scene stands.
-  void leave_scene() { watch_.reset(); }
+  void leave_scene()
+  {
+    watch_.reset();
+    seen_.leave_scene();
+  }
   /// Is the border of patches that stay as they are to be watched still?
   bool watches() const;
   /// Where a crack came within a horizon of elements, which do not break, in words; "" for nowhere. Watches no more

@@ -93,6 +93,9 @@ public:
   std::int64_t revision() const override { return revision_; }
   /// Adds the volume at the outer ends to the particles' families, one entry per owned row.
   void add_bonded_volume(std::span<pd::BondedVolume> volumes) const;
+  /// Local rows of the particles that lost such bonds to load are appended.
+  void add_thinned(std::vector<Index>& rows) const;
+  void add_bonded_volume(Index row, pd::BondedVolume& volume) const; ///< the same for one particle
 
   /// Appends pairs of local rows that the intact bonds hold together, in tied displacements. After `bind`.
   void add_joints(std::vector<std::array<Index, 2>>& pairs) const;
@@ -108,7 +111,7 @@ private:
     double length;     ///< [m]
   };
   bool starts_at_row(const CarriedBond<Dim>& bond) const;
-  void fill_lanes();
+  void fill_lanes() const;
   law::BondState<Dim> state_of(std::size_t number, const Vector<Dim>& eta, pd::Kinematics kinematics) const;
   void refresh_lanes() const;
   void refresh_runs() const;
@@ -117,6 +120,7 @@ private:
   /// Calls visit(number, stretch) for the intact bonds that a rule breaks at u.
   template <class Visit>
   void for_each_overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules, Visit&& visit) const;
+  const std::vector<std::pair<Index, pd::BondedVolume>>& volumes() const;
   void note_force(std::size_t number, pd::Kinematics kinematics, field::ForceLosses& losses) const;
   Vector<Dim> stretch_vector(const CarriedBond<Dim>& bond, std::span<const double> d) const;
   template <class Visit> void for_each_group(Visit&& visit) const;
@@ -135,10 +139,12 @@ private:
   mutable std::vector<double> spread_;
   std::unique_ptr<CarriedRuns<Dim>> runs_;       // of bonds along straight sides; null but in explicit steps
   mutable std::vector<CarriedLanes<Dim>> lanes_; // of other bonds from a row to few rows
-  std::vector<std::size_t> others_;              // numbers of those in neither
+  mutable std::vector<std::size_t> others_;      // numbers of those in neither
+  mutable bool laid_out_ = false;                // in lanes and others, as runs are now
   mutable std::int64_t lanes_revision_ = -1;     // that lanes know
-  mutable std::vector<std::pair<Index, pd::BondedVolume>> volumes_; // at the outer ends, by row of the particle
-  mutable std::int64_t volumes_revision_ = -1;                      // that they know
+  mutable std::vector<std::pair<Index, pd::BondedVolume>>
+      volumes_;                                // at the outer ends, ascending by the particle's row
+  mutable std::int64_t volumes_revision_ = -1; // that they know
   Processor processor_ = chosen_processor();
 };
 } // namespace pdx::couple

@@ -1,26 +1,14 @@
 #pragma once
 #include "pdx/base/aligned.hpp"
 #include "pdx/couple/carried_points.hpp"
-#include "pdx/couple/leaving.hpp"
 #include "pdx/couple/run_kernel.hpp"
+#include "pdx/couple/run_order.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <map>
 
 namespace pdx::couple {
-/// A bond from a row to a point of a straight side.
-template <int Dim> struct RunBond {
-  std::size_t number = 0; ///< by which it is told afterwards
-  Index row = 0;          ///< of its particle, local
-  Index point = 0;        ///< of its other end, among the carried ones
-  Index patch = 0;
-  bool no_fail = false;
-  double stretch = 1.0; ///< critical one over that of the patch [-]
-  Vector<Dim> xi;       ///< from the particle to the point [m]
-  Leaving leaves;
-};
-
 /// Bonds laid out in runs: along a straight side all particles of one depth have the same bonds, each one place further
 /// on. Bonds that meet the side in the same points of its lattice cells share these, however many depths and arms they
 /// come from, and those that go from one particle to the same point are one. A tile is a piece of a side, with a
@@ -29,7 +17,7 @@ template <int Dim> class CarriedRuns {
 public:
   CarriedRuns() = default;
   /// @param points bound; those of the bonds   @param owned rows of this rank
-  CarriedRuns(const CarriedPoints<Dim>& points, std::vector<RunBond<Dim>> bonds, Index owned);
+  CarriedRuns(const CarriedPoints<Dim>& points, std::span<const RunBond<Dim>> bonds, Index owned);
 
   /// Numbers of the bonds that are in runs.
   const std::vector<std::size_t>& numbers() const { return numbers_; }
@@ -58,7 +46,6 @@ private:
   struct Piece;
   class Tile;
   RunView<Dim> view() const;
-  static void join_sides(std::span<RunBond<Dim>> bonds);
   void add(const Tile& tile, const CarriedPoints<Dim>& points);
   void add_particles(const Line& line, Index scratch);
   void add_points(const Line& line, Index scratch, const CarriedPoints<Dim>& points, std::span<const Index> rows);

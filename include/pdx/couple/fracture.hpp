@@ -59,4 +59,13 @@ struct ParticleDamage {
 template <int Dim>
 ParticleDamage particle_damage(const field::Rows& rows, const pd::BondTerm<Dim>& bonds,
                                const std::type_identity_t<CarriedBonds<Dim>>* carried);
+
+/// A particle that lost bonds to load.
+struct Damaged {
+  Index particle; ///< number among the owned ones
+  double damage;  ///< `ParticleDamage::damage`, above 0 [-]
+};
+/// All of them, ascending, in time that grows little with those that lost none. @param carried may be null
+std::vector<Damaged> damaged_particles(const field::Rows& rows, const pd::BondTerm<2>& bonds,
+                                       const CarriedBonds<2>* carried);
 } // namespace pdx::couple

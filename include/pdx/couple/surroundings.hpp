@@ -11,22 +11,31 @@ namespace pdx::couple {
 /// of a patch, and the enriched sets of those on the other side of a crack [XPD1 Eq. 14].
 struct Host {
   static constexpr std::size_t kRows = 16;
-  std::array<PetscInt, kRows> rows{};  ///< global; the first `count`
-  std::array<double, kRows> weights{}; ///< those of nodes sum to 1
+  std::array<PetscInt, kRows> rows;  ///< global; the first `count`, as of what follows
+  std::array<double, kRows> weights; ///< those of nodes sum to 1
   int count = 0;
   bool sided = false;  ///< a crack or seam enters there: moves with the side from which it is seen
   bool across = false; ///< moves, snapped, with the other side of a crack than it is on: bonds to it are cut
   int side = -1;       ///< of a patch's border: number of the straight side that it lies on
 
   /// Weights of the same rows where those of enriched sets hold the far half's w instead (`field::Tie`); sum to 1.
-  std::array<double, kRows> tied{};
+  std::array<double, kRows> tied;
 
+  Host();
+  void clear() ///< becomes a point that nothing carries
+  {
+    count = 0;
+    sided = across = false;
+    side = -1;
+  }
   static Host of_row(PetscInt row);      ///< a row itself
   bool add(PetscInt row, double weight); ///< false if there is no room for another row
   /// Takes `weight` of a node that was added over to the other side of the crack: displacement + weight factor set.
   bool cross(PetscInt node, PetscInt set, double weight, double factor);
   bool mix(const Host& other); ///< becomes the mean of both; false, and of no use, if there is no room
 };
+
+inline Host::Host() = default; // hosts are made by the thousand: no zeros where there is no row
 
 /// The elements of a scene, and what moves them.
 struct ElementView {
@@ -100,9 +109,6 @@ private:
     int patch;
     Site<2> site;
   };
-  struct OutsideRecord : OutsideSite {
-    Host host;
-  };
   struct EdgeRecord {
     int patch, side;
     Edge edge;
@@ -115,7 +121,9 @@ private:
   int side_of(const Vector<2>& a, const Vector<2>& b) const;
   bool in_band(const Site<2>& site) const;
   static Edge edge_of(const ElementView& scene, Index behind, std::array<Index, 2> vertices, Eigen::Index along);
-  static void find_outside(const ElementView&, std::span<const Surroundings>, bool hosts, std::vector<OutsideRecord>&);
+  /// @param hosts what holds the sites; null: nobody asks
+  static std::vector<OutsideSite> find_outside(const ElementView&, std::span<const Surroundings>,
+                                               std::vector<Host>* hosts);
   static void find_edges(const ElementView&, std::span<const Surroundings>, std::vector<EdgeRecord>&);
 
   PatchShape shape_;

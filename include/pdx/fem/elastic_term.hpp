@@ -1,7 +1,10 @@
 #pragma once
 #include "pdx/fem/assembly.hpp"
+#include "pdx/fem/corner_areas.hpp"
 #include "pdx/fem/element_sweep.hpp"
 #include "pdx/field/term.hpp"
+
+#include <optional>
 
 namespace pdx::fem {
 /// Elements of the plain cells. Forces and energies come from a sweep in lanes. The tangent of small strain on a mesh
@@ -13,8 +16,9 @@ public:
   /// @param node_rows global row of every local vertex, -1 where no plain cell needs one; the rows of owned vertices
   ///        are owned rows
   /// @param regions outlives the Term; null: all is of `law`
+  /// @param areas of this mesh, must outlive the Term; null: it has its own
   ElasticTerm(const mesh::Mesh& mesh, const law::Elastic& law, Kinematics kinematics, std::vector<PetscInt> node_rows,
-              const law::Regions* regions = nullptr);
+              const law::Regions* regions = nullptr, const CornerAreas* areas = nullptr);
 
   void needed_rows(std::vector<PetscInt>& rows) const override;
   void bind(const field::RowHalo& halo) override;
@@ -47,6 +51,8 @@ private:
   };
 
   ElasticBody body_;
+  std::optional<CornerAreas> own_areas_;
+  const CornerAreas& areas_;
   std::vector<PetscInt> node_rows_;
   std::vector<Index> cells_;          ///< plain cells that touch an owned vertex or are owned
   std::vector<std::uint8_t> counted_; ///< per entry of cells_: 1 if its energy is counted by this rank

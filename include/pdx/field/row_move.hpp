@@ -12,6 +12,7 @@ class RowMove {
 public:
   enum class Wanted {
     often, ///< any name by any rank, as often as it likes
+    known, ///< the same, of a `from` that is known to have each name once
     once   ///< by one rank at most, and `from` is known to have it once: mostly it is where it was
   };
   /// @param from rows that this rank has values of, each named once on all ranks; RowName() for none

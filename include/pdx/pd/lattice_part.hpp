@@ -151,6 +151,9 @@ public:
   void weak_rows(std::vector<Index>& rows) const;
   /// @param volumes one entry per owned row
   void add_bonded_volume(std::span<BondedVolume> volumes) const;
+  /// Local rows of the particles that lost bonds to load are appended, ascending.
+  void add_thinned(std::vector<Index>& rows) const;
+  void add_bonded_volume(Index row, BondedVolume& volume) const; ///< of a row of this part; else nothing
 
 private:
   using Words = std::array<std::vector<std::uint64_t>, 2>;

@@ -2,6 +2,8 @@
 #include "pdx/base/processor.hpp"
 #include "pdx/pd/bond_kernel.hpp"
 
+#include <array>
+#include <limits>
 #include <vector>
 
 namespace pdx::pd {
@@ -67,6 +69,18 @@ struct StripTask {
   double lowest = 0.0;  ///< least e (finite) or s (linear) of its intact bonds, at most 0      [-]
   double highest = 0.0; ///< largest, at least 0                                                [-]
   double energy = 0.0;  ///< strain energy by ends, if asked for                                [J]
+  double limit = std::numeric_limits<double>::infinity(); ///< of e or s, above which a bond is worth a closer look [-]
+  std::array<int, 2> lines{}, planes{}; ///< of the box, from the first to behind the last with such a bond
+
+  /// The part of the box that has all bonds above the limit.
+  StripBox closer() const
+  {
+    StripBox part = box;
+    part.first += planes[0] * box.plane + lines[0] * box.line;
+    part.lines = lines[1] - lines[0];
+    part.planes = planes[1] - planes[0];
+    return part;
+  }
 };
 
 /// Adds the forces of the bonds that start in the boxes to the blocks of both ends: kappa s n on i, its opposite on j.

@@ -43,7 +43,9 @@ struct Discretisation final : Model {
 
 /// Collective. The mesh, its covers included, must outlive the result; its cells are cut by the scene's cracks.
 /// @param points of a mixed scene, whose cells have been dealt (`deal_cells`); null without bodies of points
+/// @param areas of the mesh, where another scene on it may follow; must outlive the result
 std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::SceneOptions& options,
                                            const PatchPlan& plan, std::vector<pd::Particle> particles, bool assembled,
-                                           const PointPlan<2>* points = nullptr);
+                                           const PointPlan<2>* points = nullptr,
+                                           const fem::CornerAreas* areas = nullptr);
 } // namespace pdx::scene

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/adapt/scene_view.hpp"
+#include "pdx/fem/corner_areas.hpp"
 #include "pdx/scene/layout.hpp"
 #include "pdx/scene/patches.hpp"
 #include "pdx/scene/point_plan.hpp"
@@ -12,6 +13,7 @@ struct Ground {
   mesh::MeshOptions mesh_options;
   PatchPlan plan;
   mesh::Mesh mesh;
+  fem::CornerAreas areas;                     ///< of the mesh
   std::vector<pd::Particle> particles;        ///< none before `lay_particles`
   std::shared_ptr<const PointPlan<2>> points; ///< null without bodies of material points
 

@@ -239,6 +239,10 @@ TEST(Fracture, DamageBesideAStraightCrackByHand)
   const auto expect = [&](test::Scene& scene, bool cut) {
     const couple::ParticleDamage found = couple::particle_damage(scene.rows(), *scene.d().bonds, scene.d().carried);
     ASSERT_EQ(found.damage.size(), scene.d().particles.size());
+    std::vector<double> listed(found.damage.size(), 0.0);
+    for (const auto& [k, damage] : couple::damaged_particles(scene.rows(), *scene.d().bonds, scene.d().carried))
+      listed[static_cast<std::size_t>(k)] = damage;
+    EXPECT_EQ(listed, found.damage);
     for (std::size_t k = 0; k < found.damage.size(); ++k) {
       const Vector<2> x = scene.d().particles[k].x;
       const int from = static_cast<int>(std::abs(x.y() - 0.5) / 0.05); // rows between it and the crack
