@@ -23,16 +23,16 @@ options::SceneOptions cracked_plate()
   return options;
 }
 
-struct Solved {
+struct CondensedRun {
   VecHandle u;
   std::vector<double> force; // unbalanced, where free and where held [N]
   solve::CondensationReport told;
   solve::StaticReport report;
 };
 
-Solved solve_by(test::Scene& scene, solve::Condense condense, int load_steps = 2)
+CondensedRun solve_by(test::Scene& scene, solve::Condense condense, int load_steps = 2)
 {
-  Solved solved;
+  CondensedRun solved;
   solved.u = scene.rows().vector();
   solve::StaticSolver solver(scene.system(), {.load_steps = load_steps, .condense = condense});
   solver.run(solved.u.get(), [](const solve::Step&, Vec) { return solve::Verdict::go_on; });
@@ -63,7 +63,7 @@ void expect_same(options::SceneOptions options, const test::Field& moved, const 
   test::Scene scene(std::move(options));
   scene.prescribe(moved);
   scene.load(load);
-  const Solved whole = solve_by(scene, solve::Condense::off), condensed = solve_by(scene, solve::Condense::on);
+  const CondensedRun whole = solve_by(scene, solve::Condense::off), condensed = solve_by(scene, solve::Condense::on);
   EXPECT_EQ(whole.told.why_not, "-static_condense off");
   EXPECT_EQ(condensed.told.why_not, "");
   EXPECT_GT(condensed.told.eliminated, 0);
@@ -78,7 +78,7 @@ TEST(Condensed, EvenStrainStaysEven)
   test::Scene scene(plate_with_patch());
   const test::Field even = test::affine(1e-3, 4e-4, -2e-4, -5e-4, {1e-4, 2e-4});
   scene.prescribe(even);
-  const Solved solved = solve_by(scene, solve::Condense::on);
+  const CondensedRun solved = solve_by(scene, solve::Condense::on);
   EXPECT_EQ(solved.told.why_not, "");
   // All nodes but those of the elements beside the patch: its corners are 3 and 9 of 12 elements from the corner.
   const double nodes = scene.sum(static_cast<double>(scene.rows().nodes));
@@ -102,7 +102,7 @@ TEST(Condensed, CracksInElementsAsWithoutIt)
 TEST(Condensed, TakesNoMoreIterations)
 {
   test::Scene scene(cracked_plate());
-  const Solved whole = solve_by(scene, solve::Condense::off), condensed = solve_by(scene, solve::Condense::on);
+  const CondensedRun whole = solve_by(scene, solve::Condense::off), condensed = solve_by(scene, solve::Condense::on);
   EXPECT_LE(condensed.report.linear_iterations, whole.report.linear_iterations);
 }
 
