@@ -19,7 +19,7 @@ import numpy as np
 RAYLEIGH = 3058.39  # [m/s]
 SAME_DAMAGE = 1e-12
 SPACING = 5e-4  # [m]
-LAYERS = ["-mesh_cells", "10,40"]  # long flat cells: the border of two ranks is the line of the crack
+LAYERS = ["-mesh_cells", "10,40", "-petscpartitioner_type", "metis"]  # long flat cells: the border of two ranks is the line of the crack
 
 
 def by_number(particles, name):

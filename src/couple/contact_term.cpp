@@ -70,8 +70,9 @@ ContactTerm<Dim>::ContactTerm(const field::Rows& rows, std::span<const SurfacePo
     points_.add(host);
     mine_.push_back(is_mine(host));
     counted_.push_back(rows_.owns(host.rows[0]));
-    largest_weight_ = std::max(largest_weight_, std::accumulate(host.weights.begin(), host.weights.end(), 0.0,
-                                                                [](double s, double w) { return s + std::abs(w); }));
+    largest_weight_ =
+        std::max(largest_weight_, std::accumulate(host.weights.begin(), host.weights.begin() + host.count, 0.0,
+                                                  [](double s, double w) { return s + std::abs(w); }));
   }
   for (const SkinPoint<Dim>& point : skin_.points()) beyond_ = std::max(beyond_, law_.options().skin * point.size);
   x_.resize(skin_.points().size());

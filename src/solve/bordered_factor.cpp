@@ -7,7 +7,8 @@
 
 namespace pdx::solve {
 namespace {
-constexpr double kShift = 1e-8;                // of the largest stiffness
+constexpr double kShift = 1e-8, kMore = 10.0;  // of the largest stiffness; what it grows by until it is enough
+constexpr double kMostShift = 0.1;             // likewise, at most
 constexpr Eigen::Index kLargestInverse = 1200; // above it the inverse takes longer than it saves
 
 /// The whole matrix on every rank.
@@ -86,8 +87,9 @@ void BorderedFactor::factor(Dense border)
 {
   if (inside_.rows() > 0) eliminate_inside(border);
   outer_.compute(border);
-  if (outer_.info() != Eigen::Success) {
-    border.diagonal().array() += kShift * border.diagonal().cwiseAbs().maxCoeff();
+  const double largest = border.rows() > 0 ? border.diagonal().cwiseAbs().maxCoeff() : 0.0;
+  for (double shift = kShift; outer_.info() != Eigen::Success && shift <= kMostShift; shift *= kMore) {
+    border.diagonal().array() += shift * largest;
     outer_.compute(border);
   }
   if (outer_.info() != Eigen::Success) throw SolverFailure("the coarse level of the elements is not positive definite");
@@ -100,8 +102,8 @@ void BorderedFactor::factor(Dense border)
 void BorderedFactor::eliminate_inside(Dense& border)
 {
   inner_.compute(inside_);
-  if (inner_.info() != Eigen::Success) {
-    inner_.setShift(kShift * inside_.diagonal().cwiseAbs().maxCoeff());
+  for (double shift = kShift; inner_.info() != Eigen::Success && shift <= kMostShift; shift *= kMore) {
+    inner_.setShift(shift * inside_.diagonal().cwiseAbs().maxCoeff());
     inner_.compute(inside_);
   }
   if (inner_.info() != Eigen::Success) throw SolverFailure("the coarse level of particles is not positive definite");
