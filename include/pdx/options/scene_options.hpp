@@ -10,6 +10,7 @@
 #include "pdx/options/point_options.hpp"
 #include "pdx/options/probe_options.hpp"
 #include "pdx/options/region_options.hpp"
+#include "pdx/options/thermal_options.hpp"
 #include "pdx/options/time_options.hpp"
 #include "pdx/pd/stencil.hpp"
 
@@ -95,6 +96,7 @@ struct SceneOptions {
   couple::Scheme scheme = couple::Scheme::energy;
   CrackOptions cracks;
   FractureOptions fracture;
+  ThermalOptions thermal;
   std::vector<BoundaryCondition> conditions;
   LoadOptions load;
   TimeOptions time;
