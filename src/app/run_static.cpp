@@ -100,6 +100,7 @@ private:
   {
     change::StaticCheckpoints::Start start = checkpoints_.start(scene_.standing(), path);
     load_ = start.load;
+    d().system.go_to(load_);
     field::set_owned_values(u(), start.u);
     const std::vector<double> force = scene_.internal_force(start.u);
     recorder_.take_notes(start.notes, load_, std::move(start.u), force);
@@ -206,6 +207,7 @@ private:
     if (!change_.empty()) ++files_.summary.relocations;
     mover_.leave_scene();
     scene_.rebuild(change_);
+    d().system.go_to(load_);
     std::vector<double> start, force; // of the load accepted last
     if (open_) {
       start = open_->start = scene_.take(*accepted, change_);
@@ -214,6 +216,7 @@ private:
     }
     const std::vector<double> u_now = scene_.take(now, change_);
     scene_.keep_dormant();
+    if (open_) d().system.go_to(open_->step.load);
     if (!open_) {
       start = u_now;
       force = scene_.internal_force(start);

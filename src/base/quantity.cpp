@@ -17,7 +17,7 @@ struct NamedUnit {
   Unit unit;
   bool prefixed; ///< takes k, m, ...
 };
-constexpr std::array<NamedUnit, 13> kUnits{{{"m", {0, 1, 0, 1.0}, true},
+constexpr std::array<NamedUnit, 14> kUnits{{{"m", {0, 1, 0, 1.0}, true},
                                             {"g", {1, 0, 0, 1e-3}, true},
                                             {"t", {1, 0, 0, 1e3}, false},
                                             {"s", {0, 0, 1, 1.0}, true},
@@ -28,6 +28,7 @@ constexpr std::array<NamedUnit, 13> kUnits{{{"m", {0, 1, 0, 1.0}, true},
                                             {"J", {1, 2, -2, 1.0}, true},
                                             {"W", {1, 2, -3, 1.0}, true},
                                             {"Hz", {0, 0, -1, 1.0}, true},
+                                            {"K", {0, 0, 0, 1.0, 1}, true},
                                             {"%", {0, 0, 0, 1e-2}, false},
                                             {"1", {0, 0, 0, 1.0}, false}}};
 struct Prefix {
@@ -74,13 +75,14 @@ std::optional<Unit> powered(std::string_view word)
   if (std::abs(power) > 9) return std::nullopt;
   auto unit = plain_unit(word.substr(0, end));
   if (!unit) return std::nullopt;
-  return Unit{unit->kilogram * power, unit->metre * power, unit->second * power, std::pow(unit->factor, power)};
+  return Unit{unit->kilogram * power, unit->metre * power, unit->second * power, std::pow(unit->factor, power),
+              unit->kelvin * power};
 }
 
 Unit product(const Unit& a, const Unit& b, int sign)
 {
   return {a.kilogram + sign * b.kilogram, a.metre + sign * b.metre, a.second + sign * b.second,
-          sign > 0 ? a.factor * b.factor : a.factor / b.factor};
+          sign > 0 ? a.factor * b.factor : a.factor / b.factor, a.kelvin + sign * b.kelvin};
 }
 
 /// A factor that is whole but for rounding.

@@ -76,8 +76,9 @@ law::BondState<Dim> CarriedBonds<Dim>::state_of(std::size_t number, const Vector
                                                 pd::Kinematics kinematics) const
 {
   const Rest& rest = rest_[number];
-  if (kinematics == pd::Kinematics::finite) return law::finite_state<Dim>(bonds_[number].xi, rest.length, eta);
-  return {rest.along.dot(eta) / rest.length, rest.along, 0.0};
+  if (kinematics == pd::Kinematics::finite)
+    return law::finite_state<Dim>(bonds_[number].xi, rest.length, eta, free_strain(number));
+  return {rest.along.dot(eta) / rest.length - free_strain(number), rest.along, 0.0};
 }
 
 /// A bond that several ranks evaluate is counted by the owner of the first row at its first end.

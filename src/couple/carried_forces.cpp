@@ -45,6 +45,17 @@ template <int Dim> bool CarriedBonds<Dim>::starts_at_row(const CarriedBond<Dim>&
          points_.weights(bond.a)[0] == 1.0;
 }
 
+template <int Dim> void CarriedBonds<Dim>::swell(const field::FreeStrain& strain)
+{
+  PDX_ASSERT(!runs_);
+  const bool first = free_.empty();
+  free_.clear();
+  free_.reserve(bonds_.size());
+  for (const CarriedBond<Dim>& bond : bonds_)
+    free_.push_back(0.5 * (strain(bond.from) + strain(bond.from + bond.xi.template head<2>())));
+  if (first) laid_out_ = false;
+}
+
 template <int Dim> void CarriedBonds<Dim>::fill_lanes() const
 {
   laid_out_ = true;
@@ -61,7 +72,7 @@ template <int Dim> void CarriedBonds<Dim>::fill_lanes() const
     const auto fits = [&](const CarriedLanes<Dim>& lanes) {
       return hosts.size() <= static_cast<std::size_t>(lanes.width());
     };
-    const auto of = starts_at_row(bond) ? std::ranges::find_if(lanes_, fits) : lanes_.end();
+    const auto of = free_.empty() && starts_at_row(bond) ? std::ranges::find_if(lanes_, fits) : lanes_.end();
     if (of == lanes_.end())
       others_.push_back(number);
     else
@@ -127,6 +138,8 @@ template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> 
 
 template void CarriedBonds<2>::bind(const field::RowHalo&);
 template void CarriedBonds<3>::bind(const field::RowHalo&);
+template void CarriedBonds<2>::swell(const field::FreeStrain&);
+template void CarriedBonds<3>::swell(const field::FreeStrain&);
 template void CarriedBonds<2>::step_explicitly();
 template void CarriedBonds<3>::step_explicitly();
 template void CarriedBonds<2>::add_residual(std::span<const double>, std::span<double>) const;

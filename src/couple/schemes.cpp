@@ -27,7 +27,7 @@ struct Draft {
   Index other = -1;  // a particle at the end `b`, and its row
   PetscInt other_row = -1;
   Index a = -1, b = -1, force_a = -1, force_b = -1; // carried points; none of `a` where a particle is
-  Vector<2> xi = Vector<2>::Zero();
+  Vector<2> xi = Vector<2>::Zero(), from = Vector<2>::Zero();
   double kappa = 0.0, energy_share = 0.0, volume = 0.0, handed = 0.0;
   bool cut = false, no_fail = false;
   double stretch = 1.0;
@@ -164,6 +164,7 @@ private:
         draft.row = row < 0 ? -1 : rows_.first + row;
         draft.kappa = arm.kappa * surface_factor(site, h, sign);
         draft.xi = sign * arm.xi;
+        draft.from = x;
         draft.energy_share = arm.length / part_.stencil().volume();
         draft.volume = arm.volume_share * part_.stencil().volume();
         const double leave = leaves(site, line);
@@ -250,6 +251,7 @@ private:
                     &*enter, &*leave};
     if (!mine(ends.force_a) && !mine(ends.force_b) && !mine(ends.a)) return; // rows of `a` count the energy
     draft.xi = energy ? Vector<2>(2.0 * half) : arm.xi;
+    draft.from = energy ? begin : x;
     judge(draft, ends, energy ? begin : x, draft.xi, {x, part_.lattice().point(other)});
     keep(draft, ends);
   }
@@ -362,6 +364,7 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
     for (const Draft& draft : drafts) {
       CarriedBond<2> bond;
       bond.xi = draft.xi;
+      bond.from = draft.from;
       bond.kappa = draft.kappa;
       bond.energy_share = draft.energy_share;
       bond.volume = draft.volume;

@@ -4,8 +4,11 @@
 #include "pdx/base/symmetric.hpp"
 #include "pdx/fem/elastic_kernel.hpp"
 #include "pdx/fem/element_action.hpp"
+#include "pdx/fem/swelling_kernel.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <stdexcept>
 
 namespace pdx::fem {
 namespace {
@@ -120,13 +123,30 @@ void ElasticTerm::add_residual(std::span<const double> u, std::span<double> r) c
   static Event event("fe_residual");
   const Timed timed(event);
   for (const ElementSweep& sweep : sweeps_) sweep.add_force(u, r);
+  for (std::size_t k = 0; k < swelling_.size(); ++k) r[k] -= swelling_[k];
 }
 
 double ElasticTerm::energy(std::span<const double> u) const
 {
   double sum = 0.0;
   for (const ElementSweep& sweep : sweeps_) sum += sweep.energy(u);
-  return sum;
+  if (swelling_.empty()) return sum;
+  return sum - std::inner_product(swelling_.begin(), swelling_.end(), u.begin(), 0.0) + swelling_energy_;
+}
+
+void ElasticTerm::swell(const field::FreeStrain& strain)
+{
+  if (!constant_jacobian()) throw std::logic_error("elements of finite strain have no free strain");
+  swelling_.assign(2 * static_cast<std::size_t>(owned_rows_), 0.0);
+  swelling_energy_ = 0.0;
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    const SwellingLoad load = swelling_load(body_.mesh.corners(cells_[k]), body_.law_of(cells_[k]), strain);
+    if (counted_[k]) swelling_energy_ += load.energy;
+    const CellRows rows = rows_of(cells_[k]);
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t d = 0; d < 2 && rows[a] < owned_rows_; ++d)
+        swelling_[2 * static_cast<std::size_t>(rows[a]) + d] += load.force[static_cast<Index>(2 * a + d)];
+  }
 }
 
 void ElasticTerm::linearise(std::span<const double> u)

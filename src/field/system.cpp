@@ -15,6 +15,13 @@ void System::bind(const std::vector<PetscInt>& also_needed)
   held.assign(all.begin(), all.end());
 }
 
+void System::go_to(double to) const
+{
+  if (!swelling) return;
+  swelling->now = swelling->at_load(to);
+  for (const auto& term : terms) term->swell(swelling->now);
+}
+
 bool System::linear() const
 {
   return std::all_of(terms.begin(), terms.end(), [](const auto& term) { return term->constant_jacobian(); });

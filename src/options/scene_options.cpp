@@ -290,6 +290,7 @@ void judge_solid(const SceneOptions& s)
 
 void judge(const SceneOptions& s)
 {
+  judge_thermal(s);
   if (s.points.any()) return judge_points(s), judge_regions(s), judge_time(s);
   if (s.pd.seeded) judge_seeds(s);
   if (!s.pd.cloud.empty()) return judge_cloud(s), judge_regions(s), judge_time(s);
@@ -352,6 +353,7 @@ SceneOptions read_all(bool describe)
     s.fracture.toughness = s.region_set.toughness();
     s.fracture.rest_breaks = false;
   }
+  s.thermal = ThermalOptions::read(describe);
   s.conditions = read_conditions(s.solid, describe);
   s.load = LoadOptions::read();
   s.time = TimeOptions::read();

@@ -106,10 +106,10 @@ std::uint64_t hash_of_named(MPI_Comm comm, const Options& options, const std::st
   return hash;
 }
 
-/// A file of points, or of what they fill, which may lie anywhere as long as it is the same.
-bool names_points(const std::string& name)
+/// A file of points, of what they fill, or of temperatures, which may lie anywhere as long as it is the same.
+bool names_file(const std::string& name)
 {
-  return name.starts_with("-mpm_") && (name.ends_with("_file") || name.ends_with("_mesh"));
+  return name == "-thermal_file" || (name.starts_with("-mpm_") && (name.ends_with("_file") || name.ends_with("_mesh")));
 }
 
 std::string lines_of(const SceneOptions& options)
@@ -148,7 +148,7 @@ std::string given_scene(MPI_Comm comm, const SceneOptions& scene)
     return fmt::format("{} = {:016x}\n", name, hash_of_named(comm, options, name));
   };
   for (const OptionDoc& doc : docs)
-    if (names_points(doc.name))
+    if (names_file(doc.name))
       text += hashed(doc.name);
     else if (belongs(doc.name, scene.time.dynamic()))
       text += fmt::format("{} = {}\n", doc.name, value_of(options, doc));

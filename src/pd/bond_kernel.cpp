@@ -14,6 +14,12 @@ PDX_INLINE void relative_displacement(const BondView<Dim>& view, const BondLanes
   for (int d = 0; d < Dim; ++d) eta[d] = load<W>(view.u[d] + bond.j) - load<W>(view.u[d] + bond.i);
 }
 
+/// Free strain of W bonds, where sites swell.                             [-]
+template <int W, int Dim> PDX_INLINE Lanes<W> free_strain(const BondView<Dim>& view, const BondLanes<Dim>& bond)
+{
+  return load<W>(view.swelling + bond.j) + load<W>(view.swelling + bond.i);
+}
+
 /// Deformed bonds and what is made of them without cancellation.
 template <int Dim, int W> struct Deformed {
   Lanes<W> y[Dim];  ///< xi + eta                                                 [m]
@@ -69,7 +75,7 @@ template <int Dim> struct LinearDiagonal {
   }
 };
 
-template <int Dim> struct LinearForce {
+template <int Dim, bool swells> struct LinearForce {
   static constexpr int kRows = Dim;
   template <int W, class Weight>
   PDX_INLINE void add(const BondView<Dim>& view, const BondLanes<Dim>& bond, Weight weight,
@@ -78,24 +84,29 @@ template <int Dim> struct LinearForce {
     Lanes<W> eta[Dim];
     relative_displacement<W>(view, bond, eta);
     const double stiffness = bond.kappa / (bond.length * bond.length * bond.length);
-    const Lanes<W> pull = weight(stiffness * along_bond<W>(bond, eta));
+    Lanes<W> along = along_bond<W>(bond, eta);
+    if constexpr (swells) along -= bond.length * bond.length * free_strain<W>(view, bond);
+    const Lanes<W> pull = weight(stiffness * along);
     for (int d = 0; d < Dim; ++d) sum[d] -= bond.xi[d] * pull;
   }
 };
 
-template <int Dim> struct FiniteForce {
+template <int Dim, bool swells> struct FiniteForce {
   static constexpr int kRows = Dim;
   template <int W, class Weight>
   PDX_INLINE void add(const BondView<Dim>& view, const BondLanes<Dim>& bond, Weight weight,
                       Lanes<W> (&sum)[kRows]) const
   {
     const Deformed<Dim, W> now(view, bond);
-    const Lanes<W> pull = weight(bond.kappa * now.growth / (now.divisor * now.length)); // kappa s / |y|
+    Lanes<W> growth = now.growth;
+    if constexpr (swells) growth -= now.divisor * free_strain<W>(view, bond);
+    const Lanes<W> pull = weight(bond.kappa * growth / (now.divisor * now.length)); // kappa s / |y|
     for (int d = 0; d < Dim; ++d) sum[d] -= now.y[d] * pull;
   }
 };
 
-/// k = across I + along y y^T with across = kappa s/|y| and, since 1/|xi| - s/|y| = 1/|y|, along = kappa / |y|^3.
+/// k = across I + along y y^T with across = kappa s/|y| and, since 1/|xi| - s/|y| = 1/|y|, along = kappa / |y|^3. With
+/// a free strain e: across = kappa (s - e)/|y|, along = kappa (1 + e) / |y|^3.
 template <int Dim, int W> struct FiniteStiffness {
   Lanes<W> across; ///< [N/m]
   Lanes<W> along;  ///< [N/m^3]
@@ -106,9 +117,15 @@ template <int Dim, int W> struct FiniteStiffness {
     across = weight(now.growth * now.squared * inverse);
     along = weight(now.divisor * inverse);
   }
+  template <class Weight>
+  PDX_INLINE void swell(const Deformed<Dim, W>& now, double kappa, Lanes<W> strain, Weight weight)
+  {
+    across -= weight(kappa * strain / now.length);
+    along *= 1.0 + strain;
+  }
 };
 
-template <int Dim> struct FiniteNeighbours {
+template <int Dim, bool swells> struct FiniteNeighbours {
   static constexpr int kRows = Dim;
   std::array<const double*, Dim> x;
   template <int W, class Weight>
@@ -116,7 +133,8 @@ template <int Dim> struct FiniteNeighbours {
                       Lanes<W> (&sum)[kRows]) const
   {
     const Deformed<Dim, W> now(view, bond);
-    const FiniteStiffness<Dim, W> k(now, bond.kappa, weight);
+    FiniteStiffness<Dim, W> k(now, bond.kappa, weight);
+    if constexpr (swells) k.swell(now, bond.kappa, free_strain<W>(view, bond), weight);
     Lanes<W> xj[Dim], projected{};
     for (int d = 0; d < Dim; ++d) {
       xj[d] = load<W>(x[d] + bond.j);
@@ -127,14 +145,15 @@ template <int Dim> struct FiniteNeighbours {
   }
 };
 
-template <int Dim> struct FiniteDiagonal {
+template <int Dim, bool swells> struct FiniteDiagonal {
   static constexpr int kRows = Dim * Dim;
   template <int W, class Weight>
   PDX_INLINE void add(const BondView<Dim>& view, const BondLanes<Dim>& bond, Weight weight,
                       Lanes<W> (&sum)[kRows]) const
   {
     const Deformed<Dim, W> now(view, bond);
-    const FiniteStiffness<Dim, W> k(now, bond.kappa, weight);
+    FiniteStiffness<Dim, W> k(now, bond.kappa, weight);
+    if constexpr (swells) k.swell(now, bond.kappa, free_strain<W>(view, bond), weight);
     for (int a = 0; a < Dim; ++a) {
       const Lanes<W> row = k.along * now.y[a];
       for (int b = 0; b < Dim; ++b) sum[a * Dim + b] += row * now.y[b];
@@ -143,7 +162,7 @@ template <int Dim> struct FiniteDiagonal {
   }
 };
 
-template <int Dim, Kinematics kinematics> struct EnergyDensity {
+template <int Dim, Kinematics kinematics, bool swells> struct EnergyDensity {
   static constexpr int kRows = 1;
   double volume; ///< [m^3]
   template <int W, class Weight>
@@ -159,9 +178,19 @@ template <int Dim, Kinematics kinematics> struct EnergyDensity {
       relative_displacement<W>(view, bond, eta);
       stretch = along_bond<W>(bond, eta) * (1.0 / (bond.length * bond.length));
     }
+    if constexpr (swells) stretch -= free_strain<W>(view, bond);
     sum[0] += weight(0.25 * bond.kappa * bond.length / volume * stretch * stretch);
   }
 };
+
+/// Calls act(std::true_type) if the sites of the view swell, else act(std::false_type).
+template <int Dim, class Act> void whether_swelling(const BondView<Dim>& view, Act&& act)
+{
+  if (view.swelling)
+    act(std::true_type{});
+  else
+    act(std::false_type{});
+}
 
 /// The linear bond stiffnesses K of whole runs, row by row of the upper triangle: the same for every particle.
 template <int Dim> struct ArmStiffness {
@@ -248,32 +277,36 @@ template <int Dim> void diagonal_blocks(const BondView<Dim>& view, std::span<con
 template <int Dim>
 void add_force(const BondView<Dim>& view, std::span<const Run> runs, Kinematics kinematics, double* r)
 {
-  if (kinematics == Kinematics::finite)
-    sweep(view, runs, FiniteForce<Dim>{}, r);
-  else
-    sweep(view, runs, LinearForce<Dim>{}, r);
+  whether_swelling(view, [&](auto swells) {
+    if (kinematics == Kinematics::finite)
+      sweep(view, runs, FiniteForce<Dim, swells>{}, r);
+    else
+      sweep(view, runs, LinearForce<Dim, swells>{}, r);
+  });
 }
 
 template <int Dim>
 void subtract_neighbours_finite(const BondView<Dim>& view, std::type_identity_t<std::array<const double*, Dim>> x,
                                 std::span<const Run> runs, double* y)
 {
-  sweep(view, runs, FiniteNeighbours<Dim>{x}, y);
+  whether_swelling(view, [&](auto swells) { sweep(view, runs, FiniteNeighbours<Dim, swells>{x}, y); });
 }
 
 template <int Dim> void diagonal_blocks_finite(const BondView<Dim>& view, std::span<const Run> runs, double* d)
 {
-  sweep(view, runs, FiniteDiagonal<Dim>{}, d);
+  whether_swelling(view, [&](auto swells) { sweep(view, runs, FiniteDiagonal<Dim, swells>{}, d); });
 }
 
 template <int Dim>
 void add_energy_density(const BondView<Dim>& view, std::span<const Run> runs, Kinematics kinematics, double volume,
                         double* density)
 {
-  if (kinematics == Kinematics::finite)
-    sweep(view, runs, EnergyDensity<Dim, Kinematics::finite>{volume}, density);
-  else
-    sweep(view, runs, EnergyDensity<Dim, Kinematics::linear>{volume}, density);
+  whether_swelling(view, [&](auto swells) {
+    if (kinematics == Kinematics::finite)
+      sweep(view, runs, EnergyDensity<Dim, Kinematics::finite, swells>{volume}, density);
+    else
+      sweep(view, runs, EnergyDensity<Dim, Kinematics::linear, swells>{volume}, density);
+  });
 }
 
 template void subtract_neighbours<2>(const BondView<2>&, std::span<const Run>, double*);

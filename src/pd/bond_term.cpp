@@ -42,6 +42,12 @@ template <int Dim> void BondTerm<Dim>::add_residual(std::span<const double> u, s
   }
 }
 
+template <int Dim> void BondTerm<Dim>::swell(const field::FreeStrain& strain)
+{
+  PDX_ASSERT(strips_.empty());
+  for (const auto& part : parts_) part->swell(strain);
+}
+
 template <int Dim> double BondTerm<Dim>::waited() const
 {
   double seconds = 0.0;
@@ -123,7 +129,8 @@ void BondTerm<Dim>::add_whole(field::BlockAdder& adder, const LatticePart<Dim>& 
     blocks.assign(1, Tensor<Dim>::Zero());
     part.for_each_bond(k, [&](std::size_t h, int sign, const Site<Dim>& other, double weight) {
       const Vector<Dim> xi = sign * arms[h].xi;
-      const auto state = finite ? law::finite_state<Dim>(xi, arms[h].length, part.relative(state_[number], k, h, sign))
+      const auto state = finite ? law::finite_state<Dim>(xi, arms[h].length, part.relative(state_[number], k, h, sign),
+                                                         part.free_strain(k, h, sign))
                                 : law::linear_state<Dim>(xi, arms[h].length, Vector<Dim>::Zero());
       const Tensor<Dim> stiffness = law::bond_stiffness<Dim>(weight * arms[h].kappa, arms[h].length, state);
       columns.push_back(part.row(other));

@@ -24,8 +24,9 @@ template <int W, class T> PDX_INLINE auto load_first(const T* p, std::ptrdiff_t 
 }
 
 /// s > s0 without a root and without cancellation. linear: xi.eta > s0 |xi|^2. finite: |xi + eta| > (1 + s0) |xi|, that
-/// is 2 xi.eta + eta.eta > s0 (2 + s0) |xi|^2. Lanes to the last bond: all are rounded alike, on every rank.
-template <int Dim, Kinematics kinematics> struct BreakSpans {
+/// is 2 xi.eta + eta.eta > s0 (2 + s0) |xi|^2. Lanes to the last bond: all are rounded alike, on every rank. Where
+/// sites swell, s0 is counted from the bond's free strain.
+template <int Dim, Kinematics kinematics, bool swells> struct BreakSpans {
   const BondView<Dim>& view;
   std::span<const Span> spans;
   const BreakRule& rule;
@@ -36,8 +37,9 @@ template <int Dim, Kinematics kinematics> struct BreakSpans {
   {
     for (const Span& span : spans) {
       typename Simd<W>::Mask any{};
-      const double least = least_limit(span.h);
-      for (Index k = 0; k < span.length; k += W) any |= growth_of<W>(span.h, span.at + k, span.length - k) > least;
+      for (Index k = 0; k < span.length; k += W)
+        any |= over<W>(span, span.at + k, span.length - k, least_stretch(),
+                       growth_of<W>(span.h, span.at + k, span.length - k));
       for (int l = 0; l < W; ++l)
         if (any[l]) {
           break_span<W>(span);
@@ -53,10 +55,10 @@ private:
     const double factor = kinematics == Kinematics::linear ? s0 : s0 * (2.0 + s0);
     return factor * view.arms[h].length * view.arms[h].length;
   }
-  /// The least that any bond along it has.
-  PDX_INLINE double least_limit(std::size_t h) const
+  /// The least s0 that any bond has.
+  PDX_INLINE double least_stretch() const
   {
-    return limit(h, rule.regions ? rule.critical_stretch * rule.regions->least_stretch() : rule.critical_stretch);
+    return rule.regions ? rule.critical_stretch * rule.regions->least_stretch() : rule.critical_stretch;
   }
 
   template <int W> PDX_INLINE Lanes<W> growth_of(std::size_t h, std::ptrdiff_t i, std::ptrdiff_t count) const
@@ -72,22 +74,36 @@ private:
     }
     return growth;
   }
+  /// Is it too much for a critical stretch?
+  template <int W>
+  PDX_INLINE typename Simd<W>::Mask over(const Span& span, std::ptrdiff_t i, std::ptrdiff_t count, double s0,
+                                         Lanes<W> growth) const
+  {
+    if constexpr (swells) {
+      const HalfArm<Dim>& arm = view.arms[span.h];
+      const double* const free = view.swelling + i;
+      const Lanes<W> most = s0 + (load_first<W>(free, count) + load_first<W>(free + arm.jump, count));
+      return growth > (kinematics == Kinematics::linear ? most : most * (2.0 + most)) * (arm.length * arm.length);
+    } else {
+      return growth > limit(span.h, s0);
+    }
+  }
   /// Is growth too much for this very bond, where materials differ?
   PDX_INLINE bool is_over(std::size_t h, std::ptrdiff_t i, double growth) const
   {
-    return growth >
-           limit(h, rule.critical_stretch * rule.regions->stretch(rule.region[i], rule.region[i + view.arms[h].jump]));
+    const std::ptrdiff_t j = i + view.arms[h].jump;
+    const double s0 = rule.critical_stretch * rule.regions->stretch(rule.region[i], rule.region[j]);
+    return growth > limit(h, swells ? s0 + (view.swelling[i] + view.swelling[j]) : s0);
   }
 
   template <int W> PDX_INLINE void break_span(const Span& span) const
   {
     std::uint64_t* plane = words[span.h / 64];
     const std::uint64_t bit = std::uint64_t{1} << span.h % 64;
-    const double least = least_limit(span.h);
     const std::ptrdiff_t jump = view.arms[span.h].jump, end = span.at + span.length;
     for (std::ptrdiff_t first = span.at; first < end; first += W) {
       const Lanes<W> growth = growth_of<W>(span.h, first, end - first);
-      const typename Simd<W>::Mask gone = growth > least;
+      const typename Simd<W>::Mask gone = over<W>(span, first, end - first, least_stretch(), growth);
       for (std::ptrdiff_t i = first; i < std::min<std::ptrdiff_t>(first + W, end); ++i) {
         if (!gone[i - first] || !(plane[i] & bit)) continue;
         if (rule.no_fail && (rule.no_fail[i] || rule.no_fail[i + jump])) continue;
@@ -99,14 +115,14 @@ private:
   }
 };
 
-template <int Dim>
+template <int Dim, bool swells>
 std::int64_t break_spans(const BondView<Dim>& view, std::span<const Span> spans, const BreakRule& rule, BondWords words)
 {
   std::int64_t broken = 0;
   if (rule.kinematics == Kinematics::linear)
-    run_here(BreakSpans<Dim, Kinematics::linear>{view, spans, rule, words, broken});
+    run_here(BreakSpans<Dim, Kinematics::linear, swells>{view, spans, rule, words, broken});
   else
-    run_here(BreakSpans<Dim, Kinematics::finite>{view, spans, rule, words, broken});
+    run_here(BreakSpans<Dim, Kinematics::finite, swells>{view, spans, rule, words, broken});
   return broken;
 }
 
@@ -173,8 +189,9 @@ std::int64_t break_bonds(const BondView<Dim>& view, std::span<const Run> runs, c
       starting.push_back({h, run.at, run.length});
       append_outside(ascending, {h, run.at - view.arms[h].jump, run.length}, ending);
     }
-  break_spans<Dim>(view, ending, rule, words); // those of other ranks
-  return break_spans<Dim>(view, starting, rule, words);
+  const auto spans_of = view.swelling ? break_spans<Dim, true> : break_spans<Dim, false>;
+  spans_of(view, ending, rule, words); // those of other ranks
+  return spans_of(view, starting, rule, words);
 }
 
 template <int Dim>

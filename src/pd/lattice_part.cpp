@@ -308,7 +308,27 @@ template <int Dim> BondView<Dim> LatticePart<Dim>::view(const Window& window) co
   view.classes = classes_.empty() ? nullptr : classes_.data();
   view.factors = factors_.data();
   view.arms = arms_;
+  view.swelling = swelling_.empty() ? nullptr : swelling_.data();
   return view;
+}
+
+template <int Dim> void LatticePart<Dim>::swell(const field::FreeStrain& strain)
+{
+  swelling_.resize(static_cast<std::size_t>(window_size_));
+  const auto take = [&](std::ptrdiff_t i) {
+    const Vector<Dim> x = where_.lattice.point(site_at(i));
+    swelling_[static_cast<std::size_t>(i)] = 0.5 * strain(x.template head<2>());
+  };
+  for (const Run& run : segments_)
+    for (Index k = 0; k < run.length; ++k) take(run.at + k);
+  for (const std::ptrdiff_t i : halo_at_) take(i);
+}
+
+template <int Dim> double LatticePart<Dim>::free_strain(Index k, std::size_t arm, int sign) const
+{
+  if (swelling_.empty()) return 0.0;
+  const std::ptrdiff_t i = at(where_.active.site(sites_[static_cast<std::size_t>(k)]));
+  return free_strain(sign > 0 ? i : i - arms_[arm].jump, arm);
 }
 
 template class LatticePart<2>;

@@ -157,7 +157,7 @@ template <int Dim> Broken LatticePart<Dim>::lose(LostBonds lost, Kinematics kine
     if (losses) note_force(bond, kinematics, *losses);
     if (!(traits_[static_cast<std::size_t>(bond.at)] & kOwned)) continue;
     ++broken.bonds;
-    broken.energy += energy_of(bond.at, bond.arm, stretch(bond.eta, bond.arm, kinematics));
+    broken.energy += energy_of(bond.at, bond.arm, stretch(bond, kinematics));
   }
   return broken;
 }
@@ -167,9 +167,10 @@ template <int Dim>
 void LatticePart<Dim>::note_force(const LostBond<Dim>& bond, Kinematics kinematics, field::ForceLosses& losses) const
 {
   const Arm<Dim>& arm = stencil_.half[bond.arm];
+  const double free = free_strain(bond.at, bond.arm);
   const law::BondState<Dim> state = kinematics == Kinematics::finite
-                                        ? law::finite_state<Dim>(arm.xi, arm.length, bond.eta)
-                                        : law::linear_state<Dim>(arm.xi, arm.length, bond.eta);
+                                        ? law::finite_state<Dim>(arm.xi, arm.length, bond.eta, free)
+                                        : law::linear_state<Dim>(arm.xi, arm.length, bond.eta, free);
   const std::ptrdiff_t end = bond.at + arms_[bond.arm].jump;
   const Vector<Dim> pull = surface_factor(bond.at, bond.arm) * arm.kappa * state.stretch * state.direction;
   for (const auto& [site, sign] : {std::pair{bond.at, -1.0}, std::pair{end, 1.0}}) {
@@ -194,18 +195,19 @@ void LatticePart<Dim>::overstretched(const Window& loaded, BreakRule rule, std::
 template <int Dim>
 double LatticePart<Dim>::stretch(const Window& loaded, std::ptrdiff_t i, std::size_t h, Kinematics kinematics) const
 {
-  Vector<Dim> eta;
+  LostBond<Dim> bond{i, static_cast<std::uint32_t>(h), {}};
   for (std::size_t d = 0; d < Dim; ++d)
-    eta[static_cast<Eigen::Index>(d)] =
+    bond.eta[static_cast<Eigen::Index>(d)] =
         loaded[d][static_cast<std::size_t>(i + arms_[h].jump)] - loaded[d][static_cast<std::size_t>(i)];
-  return stretch(eta, h, kinematics);
+  return stretch(bond, kinematics);
 }
 
-template <int Dim> double LatticePart<Dim>::stretch(const Vector<Dim>& eta, std::size_t h, Kinematics kinematics) const
+template <int Dim> double LatticePart<Dim>::stretch(const LostBond<Dim>& bond, Kinematics kinematics) const
 {
-  const Vector<Dim> xi = Eigen::Map<const Vector<Dim>>(arms_[h].xi.data());
-  return kinematics == Kinematics::finite ? law::finite_state<Dim>(xi, arms_[h].length, eta).stretch
-                                          : law::linear_state<Dim>(xi, arms_[h].length, eta).stretch;
+  const Vector<Dim> xi = Eigen::Map<const Vector<Dim>>(arms_[bond.arm].xi.data());
+  const double l = arms_[bond.arm].length, free = free_strain(bond.at, bond.arm);
+  return kinematics == Kinematics::finite ? law::finite_state<Dim>(xi, l, bond.eta, free).stretch
+                                          : law::linear_state<Dim>(xi, l, bond.eta, free).stretch;
 }
 
 /// Strain energy of a bond, with its surface factor. [J]

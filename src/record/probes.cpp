@@ -11,7 +11,7 @@
 
 namespace pdx::record {
 namespace {
-constexpr const char* kVelocity = "velocity";
+constexpr const char* kVelocityField = "velocity";
 
 /// Components of a field that say something in so many dimensions, by their place among those that are stored.
 std::vector<std::size_t> shown_components(std::size_t stored, int dim)
@@ -37,12 +37,12 @@ std::string unit_of(std::span<const field::OutputBlock> blocks, const std::strin
       if (const std::size_t open = field.name.find(" [");
           field.name.substr(0, open) == name && open != std::string::npos)
         return field.name.substr(open + 2, field.name.size() - open - 3);
-  return name == kVelocity ? "m/s" : "-";
+  return name == kVelocityField ? "m/s" : "-";
 }
 
 std::string names_of(std::span<const field::OutputBlock> blocks)
 {
-  std::set<std::string> names{kVelocity};
+  std::set<std::string> names{kVelocityField};
   for (const field::OutputBlock& block : blocks)
     for (const field::OutputField& field : block.fields)
       if (!field.on_cells) names.insert(field.name.substr(0, field.name.find(" [")));
@@ -76,10 +76,10 @@ std::string place_text(const options::ProbeOptions& probe, std::size_t k, int di
 Probes::Pictures Probes::pictures(const Probed& scene) const
 {
   const bool moves = std::ranges::any_of(options_, [](const options::ProbeOptions& probe) {
-    return std::ranges::find(probe.fields, kVelocity) != probe.fields.end();
+    return std::ranges::find(probe.fields, kVelocityField) != probe.fields.end();
   });
   Pictures now{scene.blocks(false), {}};
-  if (moves && !has(now.still, kVelocity)) now.moving = scene.blocks(true);
+  if (moves && !has(now.still, kVelocityField)) now.moving = scene.blocks(true);
   return now;
 }
 
@@ -97,7 +97,7 @@ void Probes::find(const Probed& scene, const options::ProbeOptions& probe, State
 std::vector<double> Probes::value(const Probed& scene, const ProbeHost& host, const std::string& field,
                                   const Pictures& now) const
 {
-  if (field == kVelocity && !now.moving.empty()) return probe_value(scene.comm, now.moving, host, "displacement");
+  if (field == kVelocityField && !now.moving.empty()) return probe_value(scene.comm, now.moving, host, "displacement");
   return probe_value(scene.comm, now.still, host, field);
 }
 
@@ -107,7 +107,7 @@ void Probes::open(const Probed& scene, const options::ProbeOptions& probe, State
   std::vector<io::Column> columns{{"step", "-"}, time_};
   if (probe.line) columns.push_back({"along", "m"});
   for (const std::string& field : probe.fields) {
-    const bool moving = field == kVelocity && !now.moving.empty();
+    const bool moving = field == kVelocityField && !now.moving.empty();
     if (!moving && !has(now.still, field))
       throw UserError(fmt::format("-probe_{}_field is {}: the scene has no such field; it has {}", probe.name,
                                   shown(field), names_of(now.still)));

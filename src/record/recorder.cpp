@@ -49,6 +49,7 @@ void Recorder::open_history()
       {"step", "-"}, {"load", "-"}, {"energy_elements", "J"}, {"energy_bonds", "J"}, {"energy_interface", "J"},
       {"work", "J"}};
   if (d_->has_points()) columns.insert(columns.end() - 1, {"energy_points", "J"});
+  if (options_.thermal.duration > 0.0) columns.insert(columns.begin() + 2, {"time", "s"});
   if (files_.grows()) {
     columns.insert(columns.end(), {{"energy_fracture", "J"}, {"passes", "-"}, {"bonds_broken", "-"}});
     cracks_->add_columns(columns);
@@ -87,6 +88,7 @@ void Recorder::write_history(const solve::Step& step, Vec u)
                           balance.energies.bonds, balance.energies.interface};
   if (d_->has_points()) row.push_back(balance.energies.points);
   row.push_back(balance.work);
+  if (options_.thermal.duration > 0.0) row.insert(row.begin() + 2, options_.thermal.time(step.load));
   if (files_.grows()) {
     row.insert(row.end(), {balance.energies.dissipated, static_cast<double>(step.passes),
                            static_cast<double>(d_->fracture->broken())});
@@ -168,7 +170,7 @@ void Recorder::write_results(Vec u, const Prior& prior, const post::Displacement
   results["external_work"] = balance.work;
   if (files_.grows()) {
     results["fracture_energy"] = balance.energies.dissipated;
-    results["energy_balance_error"] = balance.error();
+    if (!options_.thermal.active()) results["energy_balance_error"] = balance.error(); // heat is not in the books
     results["critical_stretch"] = d_->critical_stretch;
   }
   for (std::size_t k = 0; k < d_->held_parts.size(); ++k) {
@@ -185,6 +187,7 @@ void Recorder::write_results(Vec u, const Prior& prior, const post::Displacement
   results["max_displacement_component"] = largest;
   cracks_->look(*d_, load_);
   cracks_->write_paths();
+  cracks_->add_results(results);
   if (d_->cracks.empty() && !options_.post.any_j()) return;
   std::vector<double> local;
   d_->system.halo->gather(u, local);

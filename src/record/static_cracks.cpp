@@ -13,6 +13,12 @@ StaticCracks::StaticCracks(const RunFiles& files) : files_(files)
   now_ = crack_state(cracks, files.scene.model->body);
   if (!now_.ends.empty()) given_length_ = length_inside(cracks, now_.ends[0].given.crack, files.scene.model->body);
   marks_.resize(now_.ends.size());
+  if (files.options.thermal.active() && files.grows()) new_.emplace(files);
+}
+
+void StaticCracks::add_results(nlohmann::ordered_json& results) const
+{
+  if (new_) new_->add_results(results);
 }
 
 void StaticCracks::add_columns(std::vector<io::Column>& columns) const
@@ -57,6 +63,7 @@ void StaticCracks::look(const scene::Discretisation& d, double load)
 {
   const std::int64_t broken = d.fracture ? d.fracture->broken() : 0;
   if (std::exchange(broken_, broken) == broken) return;
+  if (new_) new_->look(d, load);
   now_ = crack_state(d, now_);
   for (std::size_t k = 0; k < now_.ends.size(); ++k) {
     std::vector<Mark>& marks = marks_[k];
@@ -108,6 +115,7 @@ void StaticCracks::write_paths() const
       curve.row(std::vector<double>{static_cast<double>(k + 1), load_at(k, distance), at[0], at[1]});
     }
   }
+  if (new_) new_->add_paths(now_.ends.size() + 1, curve);
   curve.close();
 }
 } // namespace pdx::record

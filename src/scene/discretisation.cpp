@@ -7,6 +7,7 @@
 #include "pdx/couple/seams.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
 #include "pdx/scene/apply_conditions.hpp"
+#include "pdx/scene/heat.hpp"
 #include "pdx/scene/mixed_points.hpp"
 #include "pdx/scene/support.hpp"
 
@@ -253,6 +254,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
       d.bonds ? std::span(d.bonds->parts()) : std::span<const std::unique_ptr<pd::LatticePart<2>>>();
   d.node_field = std::make_unique<couple::NodeField>(mesh, d.node_rows, parts);
   system.bind(d.node_field->needed_rows());
+  system.swelling = swelling_of(options);
   d.node_field->bind(*system.halo);
   d.parts.push_back(mesh_part(mesh, d));
   if (d.bonds) d.parts.push_back(patch_part(mesh, d));

@@ -3,6 +3,7 @@
 #include "output_fields.hpp"
 #include "pdx/fem/stress_recovery.hpp"
 #include "pdx/mesh/vertex_halo.hpp"
+#include "pdx/scene/heat.hpp"
 #include "pdx/xfem/cut_output.hpp"
 
 namespace pdx::scene {
@@ -82,8 +83,11 @@ private:
       rank.values.push_back(mesh_.cell_owner(c));
     }
     block.fields.push_back(displacement_field<2>(displacement, owned));
-    const fem::ElasticBody body{mesh_, now.options.elastic, now.options.element_kinematics(), now.options.regions.get()};
-    block.fields.push_back(stress_field(fem::nodal_stress(body, displacement)));
+    const fem::ElasticBody body{mesh_, now.options.elastic, now.options.element_kinematics(),
+                                now.options.regions.get()};
+    const field::Swelling* const swelling = d_.system.swelling.get();
+    block.fields.push_back(stress_field(fem::nodal_stress(body, displacement, swelling ? &swelling->now : nullptr)));
+    push_temperature(now.options, d_.system, block);
     if (now.options.post.reference_fe)
       block.fields.push_back({"relative_error_percent [%]",
                               field::Rank::scalar,

@@ -1,6 +1,7 @@
 #include "particle_part.hpp"
 
 #include "output_fields.hpp"
+#include "pdx/scene/heat.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -108,6 +109,7 @@ template <int Dim> field::OutputBlock ParticlePart<Dim>::block(const Picture& no
   }
   block.fields.push_back(displacement_field<Dim>(now.local.subspan(Dim * begin), model_.particles.size()));
   if (model_.breaks() || !model_.cracks.empty()) push_damage(now.options, damage(), block);
+  push_temperature(now.options, model_.system, block);
   for (field::OutputField* field : {&energy, &kind, &owner, &patch}) block.fields.push_back(std::move(*field));
   if (now.options.regions) block.fields.push_back(std::move(region));
   if (model_.bodies)

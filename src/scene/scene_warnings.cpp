@@ -38,7 +38,7 @@ std::string load_warning(const options::SceneOptions& options)
   const bool flies = std::ranges::any_of(options.points.bodies, [](const options::PointBodyOptions& body) {
     return !body.velocity.isZero(0.0) || !body.spin.isZero(0.0);
   });
-  if (flies || std::ranges::any_of(options.conditions, loads)) return {};
+  if (flies || options.thermal.active() || std::ranges::any_of(options.conditions, loads)) return {};
   return "nothing loads or moves the body, so it stays as it is: give a -bc_NAME_traction, _body, _force, or a "
          "_displacement that is not 0 (in time also _velocity or _initial_velocity)";
 }

@@ -15,6 +15,12 @@ double LoadPath::target() const
   return (increment_ + static_cast<double>(end) / static_cast<double>(parts_)) / increments_;
 }
 
+double LoadPath::reached() const
+{
+  if (at_ == 0) return static_cast<double>(increment_) / increments_;
+  return (increment_ + static_cast<double>(at_) / static_cast<double>(parts_)) / increments_;
+}
+
 double LoadPath::size() const { return static_cast<double>(size_) / static_cast<double>(parts_) / increments_; }
 
 void LoadPath::advance()

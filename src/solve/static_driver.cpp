@@ -289,6 +289,7 @@ std::string StaticDriver::solve(Vec u)
 std::string StaticDriver::equilibrium(Step& step, Vec u)
 {
   load_ = step.load;
+  system_.go_to(load_);
   new_load_ = true;
   outgrown_ = false;
   const int before = report_.linear_iterations - step.iterations;
@@ -324,6 +325,7 @@ std::string StaticDriver::equilibrium(Step& step, Vec u)
 void StaticDriver::restore(Vec saved, Vec u, bool changed)
 {
   PDX_CALL(VecCopy(saved, u));
+  system_.go_to(reached_);
   if (!changed) return;
   for (const auto& after : system_.after) after->restore();
   stale_ = true;
@@ -370,6 +372,7 @@ Verdict StaticDriver::run(Vec u, LoadPath& path, const Accepted& accepted, std::
   const VecHandle saved = system_.rows.vector();
   while (!path.done()) {
     Step step = begin(u, saved.get(), path, open);
+    reached_ = path.reached();
     const std::string why = attempted(step, saved.get(), u);
     if (why.empty() && outgrown_) {
       *open = OpenStep{step, field::owned_values(saved.get())};

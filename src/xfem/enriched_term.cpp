@@ -3,7 +3,10 @@
 #include "pdx/base/events.hpp"
 #include "pdx/base/symmetric.hpp"
 #include "pdx/fem/elastic_kernel.hpp"
+#include "pdx/fem/swelling_kernel.hpp"
 #include "pdx/xfem/enriched_kernel.hpp"
+
+#include <stdexcept>
 
 namespace pdx::xfem {
 namespace {
@@ -27,8 +30,14 @@ EnrichedTerm::EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, fem:
     const auto& vertices = mesh.cell(cut.cell);
     const bool own = cut.cell < mesh.owned_cells();
     if (!own && std::ranges::none_of(vertices, [&](Index v) { return v < mesh.owned_vertices(); })) continue;
-    Part part{
-        &cut.element, own, {}, {}, {}, {}, regions ? regions->elastic(regions->at(mesh.centroid(cut.cell))) : law};
+    Part part{&cut.element,
+              own,
+              {},
+              {},
+              {},
+              {},
+              regions ? regions->elastic(regions->at(mesh.centroid(cut.cell))) : law,
+              mesh.corners(cut.cell)};
     for (const Index v : vertices) part.global_rows.push_back(node_rows[static_cast<std::size_t>(v)]);
     for (const PetscInt row : cut.sets)
       if (row >= 0) part.global_rows.push_back(row);
@@ -64,8 +73,9 @@ void EnrichedTerm::add_residual(std::span<const double> u, std::span<double> r) 
   const Timed timed(event);
   for (const Part& part : parts_) {
     const EnrichedVector d = gathered(part.rows, u);
-    const EnrichedVector force = constant_jacobian() ? EnrichedVector(part.stiffness * d)
-                                                     : enriched_force(*part.element, d, part.law, kinematics_);
+    EnrichedVector force = constant_jacobian() ? EnrichedVector(part.stiffness * d)
+                                               : enriched_force(*part.element, d, part.law, kinematics_);
+    if (part.swelling.size() > 0) force -= part.swelling;
     for (std::size_t k = 0; k < part.rows.size(); ++k) {
       if (part.rows[k] >= owned_rows_) continue;
       const auto at = 2 * static_cast<std::size_t>(part.rows[k]);
@@ -83,8 +93,25 @@ double EnrichedTerm::energy(std::span<const double> u) const
     const EnrichedVector d = gathered(part.rows, u);
     sum += constant_jacobian() ? 0.5 * d.dot(part.stiffness * d)
                                : enriched_energy(*part.element, d, part.law, kinematics_);
+    if (part.swelling.size() > 0) sum += part.swelling_energy - part.swelling.dot(d);
   }
   return sum;
+}
+
+void EnrichedTerm::swell(const field::FreeStrain& strain)
+{
+  if (!constant_jacobian()) throw std::logic_error("cut elements of finite strain have no free strain");
+  for (Part& part : parts_) {
+    part.swelling = EnrichedVector::Zero(part.element->unknowns());
+    part.swelling_energy = 0.0;
+    for (const Side side : kSides) {
+      fem::SwellingLoad load;
+      for (const PartPoint& at : part.element->cell.points(side))
+        load.add(at, strain(fem::place_of(part.corners, at.shape)), part.law);
+      part.swelling.noalias() += side_map(*part.element, side).transpose() * load.force;
+      part.swelling_energy += load.energy;
+    }
+  }
 }
 
 void EnrichedTerm::linearise(std::span<const double> u)

@@ -37,6 +37,11 @@ PLATE = {
 }
 # The patch covers the inner 2 x 2 cells: sides of 0.5 m, 10 particles along each.
 PATCH = PLATE | {"-pd_patches": "0.25,0.25,0.75,0.75", "-pd_spacing": "0.05", "-pd_horizon_ratio": "3.015"}
+# The same that cools, evenly, from a side, and as a table says.
+HEAT = PATCH | {"-material_expansion": "1e-5", "-thermal_field": "uniform", "-thermal_initial": "300", "-thermal_ambient": "20"}
+QUENCH = HEAT | {"-thermal_field": "quench", "-thermal_conductivity": "30", "-thermal_capacity": "900", "-thermal_sides": "left",
+                 "-thermal_duration": "1", "-material_density": "4000"}  # fmt: skip
+TABLE = HEAT | {"-thermal_field": "file", "-thermal_file": "{dir}/good.heat", "-thermal_duration": "1", "-thermal_ambient": None}
 # One around the tip of a crack.
 SEED = PLATE | {"-adapt_seed": "tip", "-pd_spacing": "0.0625", "-adapt_expansion_length": "0.2", "-crack_names": "a",
                 "-crack_a_points": "0,0.5,0.6,0.5"}
@@ -124,6 +129,11 @@ FILES = {
     "odd.cracks": "0 0.55 0.3\n",
     "comment.cracks": "# nothing but words\n\n",
     "outside.cracks": "0 0.55 0.3 0.55\n0 55 30 55\n",
+    "good.heat": "# time x y temperature\n0 0 0 300\n1 0 0 300\n0 1 0 300\n1 1 0 20\n",
+    "word.heat": "0 0 0 300\n1 0 0 warm\n",
+    "short.heat": "0 0 300\n",
+    "hole.heat": "0 0 0 300\n1 0 0 300\n0 1 0 300\n",
+    "twice.heat": "0 0 0 300\n1 0 0 300\n1 0 0 301\n1 1 0 20\n",
     "good.csv": "x,y,volume,set\n" + "".join(f"{x},{y},0.01,{int(x < 0.1)}\n" for x, y in POINTS),
     "space.csv": "x,y,z,volume\n" + "".join(f"{x},{y},{z},0.001\n" for z in (0, 0.1) for x, y in POINTS),
     "columns.csv": "x,y,mass\n0,0,1\n1,0,1\n",
@@ -157,6 +167,7 @@ def on(base):
 
 
 plate, patch, solid, points, mixed = map(on, (PLATE, PATCH, SOLID, BODIES, MIXED))
+heat, quench, table = map(on, (HEAT, QUENCH, TABLE))
 
 
 def cloud(name, pattern, **change):
@@ -412,6 +423,45 @@ CASES = [
     plate("no pass", r"-load_passes\b.*0.*at least 1", load_passes="0"),
     plate("broken share zero", r"-load_broken_share\b.*0", load_broken_share="0"),
     plate("broken share above all", r"-load_broken_share\b.*2", load_broken_share="2"),
+    # --- heat
+    heat("unknown temperatures", r"-thermal_field\b.*cold.*none, uniform, quench, file", thermal_field="cold"),
+    heat("no expansion", r"-material_expansion\b.*missing.*1/K", material_expansion=None),
+    heat("expansion zero", r"-material_expansion\b.*above 0", material_expansion="0"),
+    heat("expansion of a length", r"-material_expansion\b.*mm.*1/K", material_expansion="1mm"),
+    heat("no temperature at first", r"-thermal_initial\b.*missing", thermal_initial=None),
+    heat("no temperature at last", r"-thermal_ambient\b.*missing", thermal_ambient=None),
+    heat("expansion without temperatures", r"-material_expansion\b.*-thermal_field", thermal_field=None,
+         thermal_initial=None, thermal_ambient=None),
+    heat("temperature without a field", r"-thermal_initial\b.*-thermal_field", thermal_field=None),
+    heat("duration of even heat", r"-thermal_duration\b.*quench or file", thermal_duration="1"),
+    heat("heat in time", r"-thermal_field\b.*-analysis static", analysis="explicit", material_density="1000",
+         ts_max_steps="1"),
+    heat("heat in slow time", r"-thermal_field\b.*-analysis static", analysis="implicit", material_density="1000",
+         ts_max_steps="1", ts_dt="1"),
+    heat("heat at finite strain", r"-thermal_field\b.*-kinematics small or mixed", kinematics="finite"),
+    heat("heat and J", r"-thermal_field\b.*-post_j", post_j_contours="0.2", post_j_centre="0.5,0.5"),
+    heat("heat in regions", r"-thermal_field\b.*-region_names", region_names="a", region_a_box="0,0,1,0.5", region_a_young="2e9"),
+    heat("heat in patches that hand back", r"-thermal_field\b.*-adapt relocate", adapt="relocate",
+         material_toughness="5"),
+    quench("quench without sides", r"-thermal_sides\b.*missing.*left,bottom", thermal_sides=None),
+    quench("quench of an unknown side", r"-thermal_sides\b.*north.*left, right, bottom, top", thermal_sides="north"),
+    quench("quench without a conductivity", r"-thermal_conductivity\b.*missing", thermal_conductivity=None),
+    quench("quench without a capacity", r"-thermal_capacity\b.*missing", thermal_capacity=None),
+    quench("quench without a density", r"-material_density\b.*missing", material_density=None),
+    quench("quench without a time", r"-thermal_duration\b.*missing", thermal_duration=None),
+    quench("transfer below zero", r"-thermal_transfer\b.*above 0", thermal_transfer="-1"),
+    quench("unknown pace", r"-thermal_pace\b.*fast.*even, square", thermal_pace="fast"),
+    quench("quench of a mesh from a file", r"quench\b.*rectangle.*-mesh_file", mesh_file="{dir}/right.msh",
+           mesh_lower=None, mesh_upper=None, mesh_cells=None, pd_patches=None, pd_spacing=None, pd_horizon_ratio=None),
+    quench("quench with a table", r"-thermal_file\b.*-thermal_field file", thermal_file="{dir}/good.heat"),
+    table("no table", r"-thermal_file\b.*missing", thermal_file=None),
+    table("table that is not there", r"-thermal_file\b.*nowhere\.heat", thermal_file="{dir}/nowhere.heat"),
+    table("table with a word", r"word\.heat, line 2: .warm. is not a number", thermal_file="{dir}/word.heat"),
+    table("table with a short line", r"short\.heat, line 1.*3 items.*temperature", thermal_file="{dir}/short.heat"),
+    table("table with a hole", r"hole\.heat.*3 points.*grid of 4", thermal_file="{dir}/hole.heat"),
+    table("table with a point twice", r"twice\.heat.*no point at.*another twice", thermal_file="{dir}/twice.heat"),
+    table("empty table", r"comment\.cracks.*no line", thermal_file="{dir}/comment.cracks"),
+    table("table and a medium", r"-thermal_ambient\b.*quench or uniform", thermal_ambient="20"),
     # --- how cracks are followed
     patch("unknown tracker", r"-adapt_tracker\b.*eyes.*sides, laplacian", adapt="relocate", adapt_tracker="eyes"),
     patch("tracker of patches that hand nothing back", r"-adapt_tracker\b.*-adapt relocate", adapt="expand",
@@ -633,6 +683,8 @@ CASES = [
 GOOD = [
     Case("plate", {}, "", PLATE),
     Case("plate with a patch", {}, "", PATCH),
+    Case("plate that is quenched", {"-thermal_transfer": "1e4W/m^2/K"}, "", QUENCH),
+    Case("plate with temperatures of a table", {}, "", TABLE),
     Case("plate with units", {"-mesh_lower": "0mm,0", "-mesh_upper": "100cm,1e3mm", "-material_young": "1GPa",
                               "-material_thickness": "1m", "-bc_right_traction": "0.1MPa,0kPa", "-warnings_are_errors": ""}, "", PLATE),
     Case("a box that holds one node of a side", {"-bc_right_displacement": "free,0", "-bc_right_traction": None,

@@ -4,18 +4,19 @@
 #include <string_view>
 
 namespace pdx {
-/// What a unit measures, as powers of kg, m and s, and how many of the SI unit it is.
+/// What a unit measures, as powers of kg, m, s and K, and how many of the SI unit it is.
 struct Unit {
   int kilogram = 0, metre = 0, second = 0;
   double factor = 1.0; ///< [-]
+  int kelvin = 0;
   bool same_kind(const Unit& other) const
   {
-    return kilogram == other.kilogram && metre == other.metre && second == other.second;
+    return kilogram == other.kilogram && metre == other.metre && second == other.second && kelvin == other.kelvin;
   }
 };
 
-/// The unit that a word is: m, g, s, N, Pa, J, W, Hz with a prefix or none (n u m c k M G), min, h, %, and products and
-/// quotients of them with powers: kg/m^3, J/m2, N/mm^2, m/s. "-" and "" are 1. None: it is no unit.
+/// The unit that a word is: m, g, s, N, Pa, J, W, Hz, K with a prefix or none (n u m c k M G), min, h, %, and products
+/// and quotients of them with powers: kg/m^3, J/m2, N/mm^2, m/s. "-" and "" are 1. None: it is no unit.
 std::optional<Unit> unit_in(std::string_view word);
 
 /// A number and what stands directly behind it: "72GPa" is 72 and "GPa". None: it does not begin with a number.

@@ -29,6 +29,7 @@ template <int Dim> struct CarriedBond {
   Index patch = 0;                ///< the patch of its particle, whose critical stretch it has
   std::uint64_t key = 0;          ///< the bond's own number, the same on any rank and any number of ranks
   Leaving leaves = {};            ///< through which straight side of the patch, where that is known
+  Vector<2> from = {0.0, 0.0};    ///< where a is, in the plane                           [m]
 };
 
 /// The bonds that do not join two particles of a patch: springs of the coupling schemes, all with the bond force law.
@@ -45,6 +46,8 @@ public:
   void bind(const field::RowHalo& halo) override;
   /// From now on `add_residual` is for explicit steps: bonds along straight sides in runs. After `bind`.
   void step_explicitly();
+  /// A bond's free strain is the mean of those at its ends; then forces go bond by bond. Not after `step_explicitly`.
+  void swell(const field::FreeStrain& strain) override;
   void add_residual(std::span<const double> u, std::span<double> r) const override;
   double energy(std::span<const double> u) const override;
   void linearise(std::span<const double> u) override;
@@ -113,6 +116,7 @@ private:
   bool starts_at_row(const CarriedBond<Dim>& bond) const;
   void fill_lanes() const;
   law::BondState<Dim> state_of(std::size_t number, const Vector<Dim>& eta, pd::Kinematics kinematics) const;
+  double free_strain(std::size_t number) const { return free_.empty() ? 0.0 : free_[number]; }
   void refresh_lanes() const;
   void refresh_runs() const;
   law::BondState<Dim> state_of(std::size_t number, std::span<const double> d, pd::Kinematics kinematics) const;
@@ -129,6 +133,7 @@ private:
   CarriedPoints<Dim> points_;
   std::vector<CarriedBond<Dim>> bonds_;
   std::vector<Rest> rest_;                 // per bond
+  std::vector<double> free_;               // free strain per bond; empty: nothing swells [-]
   std::vector<std::uint8_t> gone_, saved_; // per bond: cut or broken
   std::int64_t revision_ = 0;              // of gone_
   pd::Kinematics kinematics_;

@@ -22,6 +22,8 @@ public:
 
   void needed_rows(std::vector<PetscInt>& rows) const override;
   void bind(const field::RowHalo& halo) override;
+  /// Small strain only.
+  void swell(const field::FreeStrain& strain) override;
   void add_residual(std::span<const double> u, std::span<double> r) const override;
   double energy(std::span<const double> u) const override;
   void linearise(std::span<const double> u) override;
@@ -64,6 +66,8 @@ private:
   std::vector<FreeCells> free_;           ///< by shape
   std::vector<Index> border_;             ///< cells that are not free
   std::vector<ElementSweep> sweeps_;      ///< over cells_, one for each law
+  std::vector<double> swelling_;          ///< 2 per owned row, see SwellingLoad; empty: nothing swells [N]
+  double swelling_energy_ = 0.0;          ///< of counted cells [J]
   Index owned_rows_ = 0;
 };
 } // namespace pdx::fem

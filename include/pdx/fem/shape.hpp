@@ -23,6 +23,14 @@ inline Eigen::Vector4d shape(const Vector<2>& xi)
   return 0.25 * (1.0 + xi.x() * corner.row(0).array()) * (1.0 + xi.y() * corner.row(1).array());
 }
 
+/// Where a point of a cell with these N_a is [m].
+inline Vector<2> place_of(const Corners& corners, const Eigen::Vector4d& shape)
+{
+  Vector<2> x = Vector<2>::Zero();
+  for (int a = 0; a < 4; ++a) x += shape[a] * corners[static_cast<std::size_t>(a)];
+  return x;
+}
+
 /// dN_a / d(xi, eta) at a point of the reference square.
 inline Gradients reference_gradients(const Vector<2>& xi)
 {

@@ -29,12 +29,15 @@ struct System {
   std::vector<Drive> drives;            ///< the same in time: loads, and the motion of what is held
   std::vector<double> initial_velocity; ///< owned rows * dim; empty: at rest [m/s]
   std::vector<double> coordinates;      ///< of owned rows, dim per row [m]
+  std::unique_ptr<Swelling> swelling;   ///< none: no Term ever swells
   std::unique_ptr<CoarseSpace> coarse;  ///< none: assembled operators only
   double scale = 1.0;                   ///< diagonal of prescribed components [N/m]
 
   /// Finds the halo of all Terms, binds them and spreads `held`. Call once, after rows, terms and prescribed are set.
   /// Collective.
   void bind(const std::vector<PetscInt>& also_needed = {});
+  /// Tells the Terms the free strain at a load, where there is any.
+  void go_to(double load) const;
   bool linear() const;
   bool symmetric() const;
 };

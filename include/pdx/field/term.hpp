@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/field/block_adder.hpp"
+#include "pdx/field/free_strain.hpp"
 #include "pdx/field/rows.hpp"
 #include "pdx/field/tie.hpp"
 
@@ -18,6 +19,9 @@ public:
   /// r += internal force [N] of the owned rows at displacement u [m].
   /// @param u halo.size() * dim   @param r owned * dim
   virtual void add_residual(std::span<const double> u, std::span<double> r) const = 0;
+  /// From now on the material has this free strain; before the first call, none. A tangent that is constant stays as it
+  /// is.
+  virtual void swell(const FreeStrain& strain) { (void)strain; }
   /// Time that `add_residual` has spent waiting for other ranks [s].
   virtual double waited() const { return 0.0; }
   /// True if the Term resists motion too: explicit steps then call `add_damping`.

@@ -12,18 +12,21 @@ template <int Dim> struct BondState {
 };
 
 /// Finite stretch without cancellation: s = (2 xi.eta + eta.eta) / (|xi| (|xi+eta| + |xi|)), along xi + eta.
-template <int Dim> BondState<Dim> finite_state(const Vector<Dim>& xi, double length, const Vector<Dim>& eta)
+/// @param free strain of the bond that bears nothing; s is what is beyond it [-]
+template <int Dim>
+BondState<Dim> finite_state(const Vector<Dim>& xi, double length, const Vector<Dim>& eta, double free = 0.0)
 {
   const Vector<Dim> y = xi + eta;
   const double deformed = y.norm();
-  const double s = (2.0 * xi.dot(eta) + eta.squaredNorm()) / (length * (deformed + length));
+  const double s = (2.0 * xi.dot(eta) + eta.squaredNorm()) / (length * (deformed + length)) - free;
   return {s, y / deformed, s * length / deformed};
 }
 
-/// Linearised stretch: s = xi.eta / |xi|^2, along xi.
-template <int Dim> BondState<Dim> linear_state(const Vector<Dim>& xi, double length, const Vector<Dim>& eta)
+/// Linearised stretch: s = xi.eta / |xi|^2, along xi. @param free as above
+template <int Dim>
+BondState<Dim> linear_state(const Vector<Dim>& xi, double length, const Vector<Dim>& eta, double free = 0.0)
 {
-  return {xi.dot(eta) / (length * length), xi / length, 0.0};
+  return {xi.dot(eta) / (length * length) - free, xi / length, 0.0};
 }
 
 /// Tangent of the bond force kappa s e with respect to eta [N/m]: kappa/|xi| (e e^T + t (I - e e^T)).

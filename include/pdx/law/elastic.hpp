@@ -24,6 +24,9 @@ struct Elastic {
   double c11() const { return lambda() + 2.0 * mu(); } ///< d sigma_xx / d e_xx     [Pa]
   double c12() const { return lambda(); }              ///< d sigma_xx / d e_yy     [Pa]
 
+  /// Pressure that holds down a free strain in the plane, alike in x and y.        [Pa]
+  double swelling_stress(double strain) const { return (c11() + c12()) * strain; }
+
   /// The larger principal stress from both principal strains.                      [Pa]
   double principal_stress(double larger, double smaller) const
   {

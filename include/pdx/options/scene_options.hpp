@@ -10,6 +10,7 @@
 #include "pdx/options/point_options.hpp"
 #include "pdx/options/probe_options.hpp"
 #include "pdx/options/region_options.hpp"
+#include "pdx/options/thermal_options.hpp"
 #include "pdx/options/time_options.hpp"
 #include "pdx/pd/stencil.hpp"
 
@@ -96,6 +97,7 @@ struct SceneOptions {
   bool face_mass = false; ///< particles hand mass to where their bonds leave a patch
   CrackOptions cracks;
   FractureOptions fracture;
+  ThermalOptions thermal;
   std::vector<BoundaryCondition> conditions;
   LoadOptions load;
   TimeOptions time;

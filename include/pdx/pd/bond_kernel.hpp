@@ -28,6 +28,8 @@ template <int Dim> struct BondView {
                                                ///< 0: all 1; nullptr: 0 everywhere
   const double* factors = nullptr;             ///< of class c and half arm h: entry c * arms + h             [-]
   std::span<const HalfArm<Dim>> arms;          ///< at most 128
+  const double* swelling = nullptr;            ///< per site: half its free strain, so that the sum over both ends is
+                                               ///< that of the bond; nullptr: 0 everywhere                 [-]
 };
 
 /// whole: all 2 * arms bonds of every particle of the run are there with surface factor 1; words and classes are
@@ -43,6 +45,7 @@ struct Run {
 };
 
 /// finite: s = |xi + eta| / |xi| - 1 along the deformed bond [XPD1 Eqs. 2, 5]. linear: its linearisation at rest.
+/// Forces, energies and breaking are of s beyond the bond's free strain.
 enum class Kinematics { finite, linear };
 
 // All kernels gather: a particle adds up its own 2 * arms bonds and writes its own row only, so runs go in any order.

@@ -15,6 +15,8 @@ public:
   void bind(const field::RowHalo& halo) override;
   void add_residual(std::span<const double> u, std::span<double> r) const override;
   double waited() const override;
+  /// In forces worked out for explicit steps there is no free strain.
+  void swell(const field::FreeStrain& strain) override;
   double energy(std::span<const double> u) const override;
   void linearise(std::span<const double> u) override;
   void couplings(field::Couplings& couplings, bool whole) const override;

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/field/force_loss.hpp"
+#include "pdx/field/free_strain.hpp"
 #include "pdx/field/rows.hpp"
 #include "pdx/geom/line_pieces.hpp"
 #include "pdx/law/regions.hpp"
@@ -84,6 +85,10 @@ public:
   /// Displacement of a neighbour relative to particle k, u_j - u_i [m], from a loaded window.
   Vector<Dim> relative(const Window& window, Index k, std::size_t arm, int sign) const;
   BondView<Dim> view(const Window& window) const;
+  /// From now on sites have this free strain, halo included.
+  void swell(const field::FreeStrain& strain);
+  /// Of the bond along half arm `arm` from particle k [-].
+  double free_strain(Index k, std::size_t arm, int sign) const;
   std::span<const Run> force_runs() const { return fresh(force_runs_); } ///< whole only where no bond is missing
   /// whole where no bond was lost; neighbours that never were count as u = 0
   std::span<const Run> linear_runs() const { return fresh(linear_runs_); }
@@ -194,7 +199,13 @@ private:
   void note_force(const LostBond<Dim>& bond, Kinematics kinematics, field::ForceLosses& losses) const;
   double surface_factor(std::ptrdiff_t lower, std::size_t arm) const;
   double stretch(const Window& loaded, std::ptrdiff_t i, std::size_t h, Kinematics kinematics) const;
-  double stretch(const Vector<Dim>& eta, std::size_t h, Kinematics kinematics) const;
+  double stretch(const LostBond<Dim>& bond, Kinematics kinematics) const;
+  double free_strain(std::ptrdiff_t lower, std::size_t arm) const
+  {
+    return swelling_.empty() ? 0.0
+                             : swelling_[static_cast<std::size_t>(lower)] +
+                                   swelling_[static_cast<std::size_t>(lower + arms_[arm].jump)];
+  }
   double energy_of(std::ptrdiff_t i, std::size_t h, double stretch) const;
   const std::vector<double>& bonded_volume_now() const;
   void forget_volume() const;
@@ -220,6 +231,7 @@ private:
     Words words;
     std::vector<std::uint8_t> traits;
   } saved_;
+  std::vector<double> swelling_;                    // per window site, see BondView; empty: nothing swells
   std::vector<double> whole_volume_, start_volume_; // per owned particle; empty until bonds change [m^3]
   mutable std::vector<double> now_volume_;          // likewise, but of particles that lost bonds since; empty: unknown
   mutable std::vector<std::ptrdiff_t> thinned_;     // window indices of those, where now_volume_ is known

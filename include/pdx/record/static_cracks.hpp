@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/record/crack_state.hpp"
+#include "pdx/record/new_cracks.hpp"
 #include "pdx/record/run_files.hpp"
 #include "pdx/record/tip_j.hpp"
 
@@ -30,6 +31,8 @@ public:
   void look(const scene::Discretisation& d, double load);
   const CrackState& now() const { return now_; }
   void write_paths() const; ///< if bonds can break. Collective.
+  /// Of cracks that began by themselves, where heat strains the body.
+  void add_results(nlohmann::ordered_json& results) const;
 
   std::vector<Mark> marks() const; ///< of all tips, tip by tip
   /// Goes on from those of another run of the same cracks. False if they are of others.
@@ -40,6 +43,7 @@ private:
 
   const RunFiles& files_;
   CrackState now_;
+  std::optional<NewCracks> new_;
   double given_length_ = 0.0;            // of the first tip's crack [m]
   std::int64_t broken_ = -1;             // at the last look
   std::vector<std::vector<Mark>> marks_; // of each end, rising in both

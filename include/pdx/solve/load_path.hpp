@@ -10,6 +10,7 @@ public:
   LoadPath(int increments, int max_halvings);
   bool done() const { return increment_ == increments_; }
   double target() const;                           ///< the load to try now [-]
+  double reached() const;                          ///< the load before [-]
   double size() const;                             ///< of the part tried now [-]
   int increment() const { return increment_ + 1; } ///< the increment it lies in, from 1
   void advance();                                  ///< the target was reached

@@ -130,7 +130,7 @@ private:
   int built_at_ = 0; // assemblies of the tangent at the last build of the preconditioner
   std::int64_t held_at_build_ = 0;
   VecHandle start_;
-  double load_ = 0.0;
+  double load_ = 0.0, reached_ = 0.0; // tried now, accepted last
   mutable std::vector<double> local_;
   StaticReport report_;
   int assemblies_before_; // by other drivers

@@ -17,6 +17,8 @@ public:
 
   void needed_rows(std::vector<PetscInt>& rows) const override;
   void bind(const field::RowHalo& halo) override;
+  /// Small strain only.
+  void swell(const field::FreeStrain& strain) override;
   void add_residual(std::span<const double> u, std::span<double> r) const override;
   double energy(std::span<const double> u) const override;
   void linearise(std::span<const double> u) override;
@@ -41,6 +43,9 @@ private:
     EnrichedMatrix stiffness;          ///< (small only) [N/m]
     EnrichedVector state;              ///< displacement at the last linearisation (finite only) [m]
     law::Elastic law;
+    fem::Corners corners;         ///< of the whole cell [m]
+    EnrichedVector swelling = {}; ///< as fem::SwellingLoad::force; empty: nothing swells [N]
+    double swelling_energy = 0.0; ///< [J]
   };
 
   struct GlobalTie {
