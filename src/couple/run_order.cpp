@@ -24,8 +24,7 @@ public:
   std::size_t number(const PlacedBond<Dim>& placed)
   {
     const RunBond<Dim>& bond = *placed.bond;
-    const Kind kind(placed.tile(), bond.leaves.depth, placed.cell, bond.no_fail, bond.stretch, bond.xi[0],
-                    bond.xi[1]);
+    const Kind kind(placed.tile(), bond.leaves.depth, placed.cell, bond.no_fail, bond.stretch, bond.xi[0], bond.xi[1]);
     if (!next_.empty() && *kinds_[next_[last_]] == kind) return last_ = next_[last_];
     const auto [known, fresh] = numbers_.try_emplace(kind, kinds_.size());
     if (fresh) {

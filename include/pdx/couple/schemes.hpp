@@ -25,7 +25,7 @@ struct CouplingOptions {
   /// energy: particles whose bonds leave a patch hand mass to where they do: of this density, a particle's times
   /// w (xi - l) over the sum of w xi of all its bonds, w their stiffness, xi - l what lies outside. 0: none [kg/m^3]
   double handed_density = 0.0;
-  geom::Frame frame = {}; ///< of coordinates in messages
+  geom::Frame frame = {};                ///< of coordinates in messages
   const law::Regions* regions = nullptr; ///< of other materials than the patches' stencils; null: none
 };
 
