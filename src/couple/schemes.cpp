@@ -39,7 +39,6 @@ struct Draft {
 struct Ends {
   const Host *a = nullptr, *b = nullptr, *force_a = nullptr, *force_b = nullptr;
 };
-constexpr std::uint64_t kParts = 32; // of a bond that can act: more than it has pieces
 
 /// Writes the drafts of one patch, in order of sites, and the points that elements carry.
 class Drafter {
@@ -122,7 +121,7 @@ private:
   std::uint64_t key(const Site<2>& site, std::size_t arm, int sign, int part) const
   {
     const std::uint64_t bond = (around_.shape().names.of(site) * pd::kMaxHalfArms + arm) * 2 + (sign > 0);
-    return bond * kParts + static_cast<std::uint64_t>(part);
+    return bond * kPartsOfBonds + static_cast<std::uint64_t>(part);
   }
 
   bool mine(const Host* host) const
@@ -311,27 +310,6 @@ void complete(std::vector<Draft>& drafts, const Part& part)
       if (site >= 0 && *row < 0) *row = rows[next++];
 }
 } // namespace
-
-std::optional<pd::LatticePart<2>::BondAt> lattice_bond(std::uint64_t key, const geom::SiteNames& names,
-                                                       const pd::Stencil<2>& stencil)
-{
-  const std::uint64_t bond = key / kParts;
-  const bool forward = bond % 2;
-  const auto arm = static_cast<std::size_t>(bond / 2 % pd::kMaxHalfArms);
-  const std::optional<Site<2>> site = names.site(bond / 2 / pd::kMaxHalfArms);
-  if (!site || arm >= stencil.half.size()) return std::nullopt;
-  return pd::LatticePart<2>::BondAt{forward ? *site : stepped(*site, stencil.half[arm].step, -1), arm};
-}
-
-BondName bond_name(std::uint64_t key, const geom::SiteNames& names, const pd::Stencil<2>& stencil)
-{
-  const std::uint64_t bond = key / kParts;
-  const auto arm = static_cast<std::size_t>(bond / 2 % pd::kMaxHalfArms);
-  const std::uint64_t site = bond / 2 / pd::kMaxHalfArms;
-  if (bond % 2) return {site, arm};
-  const Site<2>& step = stencil.half[arm].step;
-  return {site - static_cast<std::uint64_t>((step[1] * names.width + step[0]) * names.lattices), arm};
-}
 
 pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stencil, Scheme scheme)
 {

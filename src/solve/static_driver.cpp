@@ -7,12 +7,12 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
+#include <utility>
 
 namespace pdx::solve {
 namespace {
 constexpr double kRelativeTolerance = 1e-10; // of the true residual norm
-constexpr PetscInt kMostIterations = 2000;
-constexpr PetscInt kGmresRestart = 60;
+constexpr PetscInt kMostIterations = 2000, kGmresRestart = 60;
 constexpr const char* kUnstable =
     "unstable growth: bonds go on breaking at this load; under forces there may be no equilibrium beyond it (prescribe "
     "displacements instead), else allow smaller increments; what stopped it: ";
@@ -358,9 +358,7 @@ Step StaticDriver::begin(Vec u, Vec saved, const LoadPath& path, std::optional<O
 {
   if (open && *open) {
     field::set_owned_values(saved, (*open)->start);
-    const Step step = (*open)->step;
-    open->reset();
-    return step;
+    return std::exchange(*open, std::nullopt)->step;
   }
   PDX_CALL(VecCopy(u, saved));
   for (const auto& after : system_.after) after->save();

@@ -34,6 +34,9 @@ struct CouplingOptions {
 /// body ends within a horizon: the outer part is the elements' business.
 pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stencil, Scheme scheme);
 
+/// Keys of carried bonds: their bond's name times this, and the number of the part; more than a bond has pieces.
+inline constexpr std::uint64_t kPartsOfBonds = 32;
+
 /// The bond of the lattice that a carried bond is, or is a part of, by the key of that; none if it is of another
 /// lattice.
 std::optional<pd::LatticePart<2>::BondAt> lattice_bond(std::uint64_t key, const geom::SiteNames& names,
