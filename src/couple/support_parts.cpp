@@ -17,6 +17,22 @@ Site<2> moved(Site<2> site, const Site<2>& step, Index times)
   site[1] += times * step[1];
   return site;
 }
+/// Sites of other ranks that bonds of our particles end at, ascending.
+std::vector<Index> other_ends(const pd::LatticePart<2>& part, const field::Rows& rows)
+{
+  std::vector<Index> others;
+  for (const Index number : part.sites()) {
+    const Site<2> site = part.site(number);
+    for (const pd::Arm<2>& arm : part.stencil().half) {
+      const Site<2> end = moved(site, arm.step, 1);
+      if (!part.active().has(end)) continue;
+      if (const Index row = part.row(end); row < 0 || row >= rows.owned()) others.push_back(part.number(end));
+    }
+  }
+  std::ranges::sort(others);
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  return others;
+}
 } // namespace
 
 SupportParts::SupportParts(const field::Rows& rows, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
@@ -38,7 +54,14 @@ SupportParts::SupportParts(const field::Rows& rows, std::span<const std::unique_
     const auto p = static_cast<std::size_t>(particle.patch);
     global.push_back(found[p][at[p]++]);
   }
-  halo_ = std::make_unique<field::RowHalo>(rows, global);
+  std::vector<PetscInt> needed = global; // and the other ends of our particles' bonds, which are told what they lost
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const std::vector<Index> others = other_ends(*parts[p], rows);
+    const std::vector<PetscInt> theirs = parts[p]->directory().rows(others);
+    needed.insert(needed.end(), theirs.begin(), theirs.end());
+    for (std::size_t k = 0; k < others.size(); ++k) patches_[p].foreign.emplace_back(others[k], theirs[k]);
+  }
+  halo_ = std::make_unique<field::RowHalo>(rows, needed);
   for (const PetscInt row : global) rows_.push_back(halo_->local(row));
   place_.assign(particles_.size(), -1);
 
@@ -93,29 +116,49 @@ void SupportParts::update()
     for (std::size_t plane = 0; plane < 2; ++plane)
       words_[k][plane] = std::bit_cast<std::uint64_t>(all[2 * static_cast<std::size_t>(rows_[k]) + plane]);
 
-  std::vector<Index> lost(particles_.size(), 0);
-  for (std::size_t k = 0; k < particles_.size(); ++k) {
-    const auto& part = *parts_[static_cast<std::size_t>(particles_[k].patch)];
-    const auto& half = part.stencil().half;
-    const int bits = std::popcount(words_[k][0]) + std::popcount(words_[k][1]);
-    if (bits == static_cast<int>(half.size())) continue;
-    const Site<2> site = part.site(particles_[k].site);
-    for (std::size_t h = 0; h < half.size(); ++h) {
-      if (has_bit(words_[k], h)) continue;
-      const Site<2> other = moved(site, half[h].step, 1);
-      if (!part.begins(site, h)) continue;
-      ++lost[k];
-      if (const Index j = find(particles_[k].patch, other); j >= 0) ++lost[static_cast<std::size_t>(j)];
-    }
-  }
+  const std::vector<double> lost = lost_bonds();
   std::fill(damaged_.begin(), damaged_.end(), std::uint8_t{0});
   health_.assign(particles_.size(), 1.0);
   for (std::size_t k = 0; k < particles_.size(); ++k) {
-    if (lost[k] == 0) continue;
+    const double count = lost[static_cast<std::size_t>(rows_[k])];
+    if (count == 0.0) continue;
     const auto& half = parts_[static_cast<std::size_t>(particles_[k].patch)]->stencil().half;
-    health_[k] = 1.0 - static_cast<double>(lost[k]) / static_cast<double>(2 * half.size());
+    health_[k] = 1.0 - count / static_cast<double>(2 * half.size());
     damaged_[static_cast<std::size_t>(particles_[k].cell)] = 1;
   }
+}
+
+/// Of each local row: bonds of the lattice that its particle lost, alike on every rank that asks. Collective.
+std::vector<double> SupportParts::lost_bonds() const
+{
+  const field::Rows& rows = halo_->rows();
+  std::vector<double> lost(static_cast<std::size_t>(halo_->size()), 0.0);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const auto& part = parts_[p];
+    const Patch& patch = patches_[p];
+    const auto& half = part->stencil().half;
+    for (Index k = 0; k < static_cast<Index>(part->sites().size()); ++k) {
+      const auto words = part->words_of(k);
+      if (std::popcount(words[0]) + std::popcount(words[1]) == static_cast<int>(half.size())) continue;
+      const Site<2> site = part->site(part->sites()[static_cast<std::size_t>(k)]);
+      for (std::size_t h = 0; h < half.size(); ++h) {
+        if (has_bit(words, h) || !part->begins(site, h)) continue;
+        lost[static_cast<std::size_t>(part->first_row() + k)] += 1.0;
+        const Site<2> end = moved(site, half[h].step, 1);
+        Index other = part->row(end);
+        if (other < 0 || other >= rows.owned()) {
+          const auto known = std::ranges::lower_bound(patch.foreign, part->number(end), {}, &Foreign::first);
+          PDX_ASSERT(known != patch.foreign.end());
+          other = halo_->local(known->second);
+        }
+        lost[static_cast<std::size_t>(other)] += 1.0;
+      }
+    }
+  }
+  halo_->reduce(lost, 1);
+  std::vector<double> everywhere;
+  halo_->fetch(std::span<const double>(lost).first(static_cast<std::size_t>(rows.owned())), 1, everywhere);
+  return everywhere;
 }
 
 std::vector<PartOfNode> SupportParts::split(std::span<const Index> cells,

@@ -3,6 +3,7 @@
 #include "pdx/pd/lattice_part.hpp"
 
 #include <memory>
+#include <utility>
 
 namespace pdx::couple {
 /// A particle in a cell of a patch's grid, owned here or not.
@@ -33,7 +34,7 @@ public:
   std::pair<std::size_t, std::size_t> in_cell(Index cell) const;
   /// Fetches the bond words of all particles. Collective.
   void update();
-  /// Intact share of the bonds that a particle would have in the whole lattice, as far as known here [-].
+  /// Intact share of the bonds that a particle would have in the whole lattice, alike on every rank [-].
   double health(std::size_t particle) const { return health_[particle]; }
   bool damaged(Index cell) const { return damaged_[static_cast<std::size_t>(cell)] != 0; }
   /// The parts of the particles in the given cells, by particle; weight(particle) is what a part is measured by: parts
@@ -42,11 +43,14 @@ public:
                                 const std::function<double(const CellParticle&)>& weight) const;
 
 private:
+  using Foreign = std::pair<Index, PetscInt>; // site, global row
   struct Patch {
+    std::vector<Foreign> foreign; ///< other ends of our particles' bonds, ascending
     Site<2> lower{}, extent{};
     std::vector<Index> number; ///< per site of the box: particle + 1, 0 = none
   };
   Index find(int patch, const Site<2>& site) const;
+  std::vector<double> lost_bonds() const;
 
   std::span<const std::unique_ptr<pd::LatticePart<2>>> parts_;
   std::vector<CellParticle> particles_; // cell after cell
