@@ -159,8 +159,15 @@ RegionSetOptions RegionSetOptions::read(const Materials& materials, const law::E
                                describe);
   if (!describe && names.empty() && !interfaces.empty())
     throw UserError("-interface_names are between regions, and there are none: give -region_names");
-  for (const std::string& name : interfaces)
+  for (const std::string& name : interfaces) {
     set.interfaces.push_back(region_options::read_interface(name, set.regions, particles, describe));
+    const law::Interface& last = set.interfaces.back();
+    for (std::size_t k = 0; k + 1 < set.interfaces.size(); ++k)
+      if (const law::Interface& known = set.interfaces[k]; std::minmax(known.a, known.b) == std::minmax(last.a, last.b))
+        throw UserError(fmt::format("-interface_{}_between names the regions of -interface_{}_between: a pair has one "
+                                    "interface",
+                                    name, interfaces[k]));
+  }
   return set;
 }
 

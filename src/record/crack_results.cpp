@@ -62,7 +62,9 @@ nlohmann::json domain_results(const Solved& s, const Centre& centre)
   try {
     results["j_domain"] = domain_j(s, centre.tip);
     if (!s.options.post.modes || !centre.end) return results;
-    const post::TipModes modes = domain_modes(s, centre.tip, side_of(s.d, *centre.end));
+    crack::Tip tip = centre.tip;
+    if (centre.number) tip.direction = centre.end->direction_over(s.options.post.j_domain->front());
+    const post::TipModes modes = domain_modes(s, tip, side_of(s.d, *centre.end));
     results["k1_domain"] = modes.opening;
     results["k2_domain"] = modes.sliding;
     results["t_stress_domain"] = modes.along;
@@ -123,8 +125,26 @@ double potential(mesh::Mesh& mesh, const options::SceneOptions& options, const s
 }
 } // namespace
 
+namespace {
+/// J and K over a ring are those of all tips in it.
+void require_one_tip(const Solved& s)
+{
+  const double outer = s.options.post.j_domain->back();
+  for (const Centre& centre : centres(s, crack_state(s.d.cracks, s.d.body)))
+    for (const crack::Tip& tip : s.d.cracks.tips()) {
+      const double far = (tip.at - centre.tip.at).cwiseAbs().maxCoeff();
+      if (far > 1e-9 * outer && far < outer && centre.number)
+        throw UserError(
+            fmt::format("-post_j_domain: the ring to {:g} m around the tip at {} holds the tip at {} too, and J "
+                        "and K would be of both: take an outer half-width of {:.6g} m at most",
+                        outer, s.options.frame.text(centre.tip.at), s.options.frame.text(tip.at), far));
+    }
+}
+} // namespace
+
 void require_contours(const Solved& s)
 {
+  if (s.options.post.j_domain) require_one_tip(s);
   if (s.options.post.j_contours.empty()) return;
   const std::vector<double> nothing(static_cast<std::size_t>(s.d.system.rows.owned()), 0.0);
   bool any = false;

@@ -45,6 +45,13 @@ void part_way(const std::vector<double>& carried, const CrackState& before, std:
 } // namespace
 
 Vector<2> CrackEnd::at_farthest() const { return track::place_on(path, direction, farthest_broken); }
+Vector<2> CrackEnd::direction_over(double length) const
+{
+  const double back = farthest_broken - length;
+  const Vector<2> behind =
+      back > 0.0 ? track::place_on(path, direction, back) : Vector<2>(given.at + back * given.direction);
+  return (at_farthest() - behind).normalized();
+}
 double CrackEnd::angle_degrees() const { return record::angle_degrees(given, tip()); }
 
 double angle_degrees(const crack::Tip& from, const Vector<2>& to)

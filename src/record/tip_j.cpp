@@ -129,6 +129,7 @@ std::vector<std::optional<post::TipModes>> modes_of_tips(const Solved& s, const 
     modes.emplace_back();
     try {
       if (s.options.post.j_domain) {
+        tip.direction = end.direction_over(s.options.post.j_domain->front()); // as the ring sees the crack
         modes.back() = domain_modes(s, tip, side_of(s.d, end));
         continue;
       }

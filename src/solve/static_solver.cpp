@@ -16,15 +16,16 @@ StaticSolver::StaticSolver(const field::System& system, const StaticOptions& opt
     : system_(system)
 {
   const double begin = MPI_Wtime();
-  condense(options);
+  condense(options, before.solves == 0);
   told_.seconds = condensation_ ? MPI_Wtime() - begin : 0.0;
   driver_ = std::make_unique<StaticDriver>(condensed_ ? condensed_->system() : system_, options, std::move(before));
 }
 
-void StaticSolver::condense(const StaticOptions& options)
+/// @param begins a run that asked for it is told at once; a later layout may leave nothing to eliminate
+void StaticSolver::condense(const StaticOptions& options, bool begins)
 {
   told_.why_not = reason_against(options);
-  if (options.condense == Condense::on && !told_.why_not.empty())
+  if (options.condense == Condense::on && !told_.why_not.empty() && begins)
     throw UserError(fmt::format("-static_condense on is not possible here: {}; use auto or off", told_.why_not));
   if (told_.why_not.empty()) {
     Border border = border_of(system_);

@@ -13,6 +13,8 @@ struct CrackEnd {
   double first_intact = 0.0, farthest_broken = 0.0;
 
   Vector<2> tip() const { return path.back(); }
+  /// Unit vector from the place that lies `length` behind the farthest broken bond, along the crack, to there.
+  Vector<2> direction_over(double length) const;
   Vector<2> at_farthest() const; ///< where the farthest broken bond crosses [m]
   double angle_degrees() const;  ///< from the given direction to the way from the old tip to the new one; left positive
 };

@@ -27,7 +27,7 @@ public:
   std::vector<double> unbalanced_force(Vec u, double load) const;
 
 private:
-  void condense(const StaticOptions& options);
+  void condense(const StaticOptions& options, bool begins);
   std::string reason_against(const StaticOptions& options) const;
   std::string judge(const Border& border, const StaticOptions& options) const;
 
