@@ -53,9 +53,6 @@ std::string StaticSolver::reason_against(const StaticOptions& options) const
   if (!system_.symmetric()) return "the tangent is not symmetric";
   if (std::ranges::none_of(system_.terms, [](const auto& term) { return term->fixed(); }))
     return "no elements of small strain";
-  int ranks = 1;
-  MPI_Comm_size(system_.rows.comm, &ranks);
-  if (options.condense == Condense::automatic && ranks > 1) return "on several ranks only if asked for";
   if (options.condense == Condense::automatic && system_.after.empty() && options.load_steps < kFewestSolves)
     return "too few solves to repay it";
   return "";

@@ -1,6 +1,5 @@
 #include "pdx/solve/static_solver.hpp"
 #include "support/pulled.hpp"
-#include "support/ranks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -110,11 +109,8 @@ TEST(Condensed, TakesNoMoreIterations)
 TEST(Condensed, AsksForManySolvesAndALinearSymmetricScene)
 {
   test::Scene scene(cracked_plate()), unsymmetric(plate_with_patch(couple::Scheme::interface));
-  const bool alone = test::ranks() == 1;
-  const std::string several = "on several ranks only if asked for";
-  EXPECT_EQ(why_not(scene, solve::Condense::automatic, 1), alone ? "too few solves to repay it" : several);
-  EXPECT_EQ(why_not(scene, solve::Condense::automatic, 4), alone ? "" : several);
-  EXPECT_EQ(why_not(scene, solve::Condense::on, 4), "");
+  EXPECT_EQ(why_not(scene, solve::Condense::automatic, 1), "too few solves to repay it");
+  EXPECT_EQ(why_not(scene, solve::Condense::automatic, 4), "");
   EXPECT_EQ(why_not(unsymmetric, solve::Condense::automatic, 4), "the tangent is not symmetric");
   EXPECT_THROW(why_not(unsymmetric, solve::Condense::on, 4), UserError);
   options::SceneOptions finite = plate_with_patch();
