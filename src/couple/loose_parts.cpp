@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <unordered_map>
 
 namespace pdx::couple {
 namespace {
@@ -137,21 +138,7 @@ private:
 
 LooseParts::LooseParts(const JoinedModels& models, const field::System& system) : models_(models), system_(system)
 {
-  for (const auto& part : models_.parts) {
-    std::vector<Index> sites;
-    for (const Index number : part->sites())
-      for (const pd::Arm<2>& arm : part->stencil().half) {
-        const Site<2> other = stepped(part->site(number), arm.step);
-        if (!part->active().has(other)) continue;
-        const auto site = part->number(other);
-        if (!std::binary_search(part->sites().begin(), part->sites().end(), site)) sites.push_back(site);
-      }
-    std::sort(sites.begin(), sites.end());
-    sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
-    const std::vector<PetscInt> rows = part->directory().rows(sites);
-    auto& foreign = foreign_.emplace_back();
-    for (std::size_t k = 0; k < sites.size(); ++k) foreign[sites[k]] = rows[k];
-  }
+  for (const auto& part : models_.parts) foreign_.emplace_back(*part);
 }
 
 void LooseParts::tie_elements(Ties& ties) const
@@ -192,7 +179,7 @@ void LooseParts::tie_particles(Ties& ties, const pd::LatticePart<2>& part, std::
       if (local >= 0 && local < system_.rows.owned())
         ties.join(row, system_.rows.first + local);
       else
-        ties.join(row, foreign_[number].at(part.number(other)));
+        ties.join(row, foreign_[number].row(part.number(other)));
     }
   }
 }

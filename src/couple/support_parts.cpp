@@ -17,22 +17,6 @@ Site<2> moved(Site<2> site, const Site<2>& step, Index times)
   site[1] += times * step[1];
   return site;
 }
-/// Sites of other ranks that bonds of our particles end at, ascending.
-std::vector<Index> other_ends(const pd::LatticePart<2>& part, const field::Rows& rows)
-{
-  std::vector<Index> others;
-  for (const Index number : part.sites()) {
-    const Site<2> site = part.site(number);
-    for (const pd::Arm<2>& arm : part.stencil().half) {
-      const Site<2> end = moved(site, arm.step, 1);
-      if (!part.active().has(end)) continue;
-      if (const Index row = part.row(end); row < 0 || row >= rows.owned()) others.push_back(part.number(end));
-    }
-  }
-  std::ranges::sort(others);
-  others.erase(std::unique(others.begin(), others.end()), others.end());
-  return others;
-}
 } // namespace
 
 SupportParts::SupportParts(const field::Rows& rows, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
@@ -56,10 +40,8 @@ SupportParts::SupportParts(const field::Rows& rows, std::span<const std::unique_
   }
   std::vector<PetscInt> needed = global; // and the other ends of our particles' bonds, which are told what they lost
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    const std::vector<Index> others = other_ends(*parts[p], rows);
-    const std::vector<PetscInt> theirs = parts[p]->directory().rows(others);
-    needed.insert(needed.end(), theirs.begin(), theirs.end());
-    for (std::size_t k = 0; k < others.size(); ++k) patches_[p].foreign.emplace_back(others[k], theirs[k]);
+    patches_[p].foreign.emplace(*parts[p]);
+    needed.insert(needed.end(), patches_[p].foreign->rows().begin(), patches_[p].foreign->rows().end());
   }
   halo_ = std::make_unique<field::RowHalo>(rows, needed);
   for (const PetscInt row : global) rows_.push_back(halo_->local(row));
@@ -146,11 +128,7 @@ std::vector<double> SupportParts::lost_bonds() const
         lost[static_cast<std::size_t>(part->first_row() + k)] += 1.0;
         const Site<2> end = moved(site, half[h].step, 1);
         Index other = part->row(end);
-        if (other < 0 || other >= rows.owned()) {
-          const auto known = std::ranges::lower_bound(patch.foreign, part->number(end), {}, &Foreign::first);
-          PDX_ASSERT(known != patch.foreign.end());
-          other = halo_->local(known->second);
-        }
+        if (other < 0 || other >= rows.owned()) other = halo_->local(patch.foreign->row(part->number(end)));
         lost[static_cast<std::size_t>(other)] += 1.0;
       }
     }

@@ -15,9 +15,7 @@ constexpr std::int64_t kMostKept = 8000; // components: half a gigabyte
 StaticSolver::StaticSolver(const field::System& system, const StaticOptions& options, StaticReport before)
     : system_(system)
 {
-  const double begin = MPI_Wtime();
   condense(options, before.solves == 0);
-  told_.seconds = condensation_ ? MPI_Wtime() - begin : 0.0;
   driver_ = std::make_unique<StaticDriver>(condensed_ ? condensed_->system() : system_, options, std::move(before));
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 #include "pdx/couple/carried_bonds.hpp"
+#include "pdx/couple/foreign_ends.hpp"
 #include "pdx/field/system.hpp"
 #include "pdx/pd/lattice_part.hpp"
 #include "pdx/xfem/enriched_sets.hpp"
 
 #include <memory>
-#include <unordered_map>
 
 namespace pdx::couple {
 /// What holds rows together.
@@ -47,6 +47,6 @@ private:
 
   JoinedModels models_;
   const field::System& system_;
-  std::vector<std::unordered_map<Index, PetscInt>> foreign_; // per patch: rows of neighbours on other ranks, by site
+  std::vector<ForeignEnds> foreign_; // per patch
 };
 } // namespace pdx::couple

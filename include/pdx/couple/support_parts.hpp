@@ -1,9 +1,10 @@
 #pragma once
+#include "pdx/couple/foreign_ends.hpp"
 #include "pdx/field/rows.hpp"
 #include "pdx/pd/lattice_part.hpp"
 
 #include <memory>
-#include <utility>
+#include <optional>
 
 namespace pdx::couple {
 /// A particle in a cell of a patch's grid, owned here or not.
@@ -43,9 +44,8 @@ public:
                                 const std::function<double(const CellParticle&)>& weight) const;
 
 private:
-  using Foreign = std::pair<Index, PetscInt>; // site, global row
   struct Patch {
-    std::vector<Foreign> foreign; ///< other ends of our particles' bonds, ascending
+    std::optional<ForeignEnds> foreign; ///< which are told what our particles lost
     Site<2> lower{}, extent{};
     std::vector<Index> number; ///< per site of the box: particle + 1, 0 = none
   };

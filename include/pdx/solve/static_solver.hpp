@@ -8,7 +8,6 @@ struct CondensationReport {
   std::string why_not;         ///< empty: the System is condensed
   std::int64_t kept = 0;       ///< components of elements that stay unknowns; 0 if it was not looked at
   std::int64_t eliminated = 0; ///< components [-]
-  double seconds = 0.0;        ///< to eliminate them [s]
 };
 
 /// A static scene solved by a StaticDriver: as it is, or condensed, where many solves repay that. Whoever asks sees the
