@@ -2,11 +2,10 @@
 """Runs one and two cracks of several lengths, by elements that end where cells meet and by patches at the tips, prints K beside
 what is published, and draws hole_crack.png beside this file.
 
-usage: study.py [--executable build/release/pdxsolve] [--out out/hole_crack] [--picture-only]
+usage: study.py [--executable build/release/pdxsolve] [--out out/hole_crack] [--only elements,particles|none]
 K over s sqrt(pi a), of a plate as wide as ours (published figures are taken there by Feddersen's factor). Half a minute.
 """
 
-import argparse
 import pathlib
 import subprocess
 import sys
@@ -16,6 +15,7 @@ ROOT = HERE.parents[1]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
+import case_study
 import exact
 import pdxtools
 import pdxtools.draw
@@ -80,17 +80,13 @@ def picture(out):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--executable", default=str(ROOT / "build/release/pdxsolve"))
-    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/hole_crack")
-    parser.add_argument("--picture-only", action="store_true")
-    arguments = parser.parse_args()
-    out = arguments.out.resolve()
+    arguments = case_study.Parser(__doc__, "hole_crack", LENGTHS).read()
+    out = arguments.out
     for cracks in (1, 2):
         for way, lengths in LENGTHS.items():
             for a in lengths:
-                if not arguments.picture_only:
-                    run(str(pathlib.Path(arguments.executable).resolve()), out, way, cracks, a)
+                if way in arguments.only:
+                    run(arguments.executable, out, way, cracks, a)
                 found, length = factor(out, way, cracks, a), a / published.RADIUS
                 known = exact.factor(length, cracks), published.newman(a) if cracks == 2 else None, published.bowie(a, cracks)
                 beside = " | ".join("-" if k is None else f"{k:.4f} ({100 * (found / k - 1):+.2f} %)" for k in known)

@@ -2,11 +2,10 @@
 """Runs cracks from 0 to 75 degrees, with K by the ring around patches, by squares in patches, by finer particles, and by
 elements alone; prints what each is off by from the closed form, and draws modes.png beside this file.
 
-usage: study.py [--executable build/release/pdxsolve] [--out out/mixed_modes] [--picture-only]
+usage: study.py [--executable build/release/pdxsolve] [--out out/mixed_modes] [--only ring,fine,contours,elements|none]
 Off: of K_I at 0 degrees, and of its own value; T of the stress; the worse of both tips. A minute on one core.
 """
 
-import argparse
 import pathlib
 import subprocess
 import sys
@@ -16,6 +15,7 @@ ROOT = HERE.parents[1]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import case_check
+import case_study
 import closed_form
 import pdxtools
 import matplotlib
@@ -78,16 +78,12 @@ def picture(out):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--executable", default=str(ROOT / "build/release/pdxsolve"))
-    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/mixed_modes")
-    parser.add_argument("--picture-only", action="store_true")
-    arguments = parser.parse_args()
-    out = arguments.out.resolve()
+    arguments = case_study.Parser(__doc__, "mixed_modes", WAYS).read()
+    out = arguments.out
     for way in WAYS:
         for degrees in ANGLES:
-            if not arguments.picture_only:
-                run(str(pathlib.Path(arguments.executable).resolve()), out, way, degrees)
+            if way in arguments.only:
+                run(arguments.executable, out, way, degrees)
             off = np.abs(found(out, way, degrees) - closed_form.modes(degrees)).max(axis=0)
             own = [100 * off[k] / abs(closed_form.modes(degrees)[k]) if degrees or k == 0 else 0.0 for k in (0, 1)]
             print(f"| {WAYS[way][2]} | {degrees} | {100 * off[0] / closed_form.K0:.2f} ({own[0]:.2f}) | "
