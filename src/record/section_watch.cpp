@@ -1,9 +1,6 @@
 #include "pdx/record/section_watch.hpp"
 
-#include "pdx/adapt/quiet.hpp"
 #include "pdx/base/gather.hpp"
-#include "pdx/mesh/sites.hpp"
-#include "pdx/scene/discretisation.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -62,22 +59,9 @@ auto SectionWatch::counts(Index body, std::int64_t lattice) -> const Counts&
 {
   const auto [known, fresh] = counts_.try_emplace({body, lattice});
   if (!fresh) return known->second;
-  constexpr Index anywhere = std::numeric_limits<Index>::max() / 4;
-  const auto axis = static_cast<std::size_t>(files_.options.post.section);
-  const mesh::Mesh& mesh = *files_.scene.mesh;
-  const auto* const plane = dynamic_cast<const scene::Discretisation*>(files_.scene.model);
-  if (!plane) return known->second;
-  const auto around = std::ranges::find_if(plane->around, [&](const couple::Surroundings& of) {
-    return of.shape().body == body && of.shape().names.lattice == lattice;
-  });
-  const couple::PatchShape* const shape = &around->shape();
-  const std::vector<bool> may = adapt::may_be_particles(plane->view(mesh));
   Counts mine;
-  for (Index c = 0; c < mesh.owned_cells(); ++c)
-    if (mesh.body(c) == body && may[static_cast<std::size_t>(c)])
-      mesh::for_each_site(mesh, c, shape->lattice, anywhere, [&](const Site<2>& site, const Vector<2>&) {
-        ++mine[shape->names.first[axis] + site[axis]];
-      });
+  for (const auto& part : files_.scene.model->parts)
+    part->count_sites(body, lattice, static_cast<std::size_t>(files_.options.post.section), mine);
   std::vector<std::array<std::int64_t, 2>> told;
   for (const auto& [column, sites] : mine) told.push_back({column, sites});
   for (const auto& [column, sites] : gather_all(files_.comm(), told)) known->second[column] += sites;

@@ -1,9 +1,12 @@
 #include "particle_part.hpp"
+#include "pdx/adapt/quiet.hpp"
+#include "pdx/mesh/sites.hpp"
 #include "pdx/scene/layout.hpp"
 #include "pdx/scene/scene_warnings.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 #include <set>
 
 namespace pdx::scene {
@@ -28,7 +31,7 @@ geom::SiteSet<2> united(const track::TreeGround& ground, const couple::PatchShap
 class PatchPart final : public ParticlePart<2> {
 public:
   PatchPart(const mesh::Mesh& mesh, const Discretisation& d)
-      : ParticlePart<2>(d, *d.bonds, d.carried), mesh_(mesh), plan_(*d.patch_plan)
+      : ParticlePart<2>(d, *d.bonds, d.carried), mesh_(mesh), d_(d), plan_(*d.patch_plan)
   {}
 
   /// Sites that follow each other in a run have names that do.
@@ -132,6 +135,21 @@ public:
     return seen;
   }
 
+  void count_sites(Index body, std::int64_t lattice, std::size_t axis,
+                   std::map<std::int64_t, std::int64_t>& columns) const override
+  {
+    constexpr Index anywhere = std::numeric_limits<Index>::max() / 4;
+    const auto shape = std::ranges::find_if(
+        plan_.shapes, [&](const couple::PatchShape& of) { return of.body == body && of.names.lattice == lattice; });
+    if (shape == plan_.shapes.end()) return;
+    const std::vector<bool> may = adapt::may_be_particles(d_.view(mesh_));
+    for (Index c = 0; c < mesh_.owned_cells(); ++c)
+      if (mesh_.body(c) == body && may[static_cast<std::size_t>(c)])
+        mesh::for_each_site(mesh_, c, shape->lattice, anywhere, [&](const Site<2>& site, const Vector<2>&) {
+          ++columns[shape->names.first[axis] + site[axis]];
+        });
+  }
+
 private:
   const couple::PatchShape& shape_of(const pd::Particle& particle) const
   {
@@ -197,6 +215,7 @@ private:
   }
 
   const mesh::Mesh& mesh_;
+  const Discretisation& d_;
   const PatchPlan& plan_;
 };
 } // namespace

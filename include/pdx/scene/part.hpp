@@ -8,6 +8,7 @@
 #include "pdx/track/crack_tree.hpp"
 
 #include <functional>
+#include <map>
 #include <optional>
 
 namespace pdx::scene {
@@ -119,5 +120,8 @@ public:
   virtual bool watches(std::size_t) const { return true; }      ///< owned particle k, of those
   virtual Watched watched() const { return {}; }                ///< Collective.
   virtual std::vector<SeenParticle> seen() const { return {}; } ///< Collective.
+  /// Counts the sites of a body's lattice that are particles or may become so, by their number along an axis, this
+  /// rank's. Collective.
+  virtual void count_sites(Index, std::int64_t, std::size_t, std::map<std::int64_t, std::int64_t>&) const {}
 };
 } // namespace pdx::scene
