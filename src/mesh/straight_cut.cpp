@@ -87,10 +87,18 @@ double busiest_window(const PlacedCells& cells, std::span<const int> part, int p
       box->upper = box->upper.cwiseMax(cells.middle[c]);
     }
   const double cell = std::sqrt(all.size().prod() / static_cast<double>(count));
+  std::vector<std::size_t> along(count); // by x: a box looks at the cells of its own width only
+  std::iota(along.begin(), along.end(), 0U);
+  const auto x_of = [&cells](std::size_t c) { return cells.middle[c][0]; };
+  std::ranges::sort(along, {}, x_of);
+  const double margin = 1.5 * cell;
   std::vector<double> window(around.size(), 0.0);
-  for (std::size_t c = 0; c < count; ++c)
-    for (std::size_t p = 0; p < around.size(); ++p)
-      if (around[p].contains(cells.middle[c], 1.5 * cell)) window[p] += cells.weight[c];
+  for (std::size_t p = 0; p < around.size(); ++p) {
+    const auto first = std::ranges::lower_bound(along, around[p].lower[0] - 2.0 * margin, {}, x_of);
+    const auto end = std::ranges::upper_bound(along, around[p].upper[0] + 2.0 * margin, {}, x_of);
+    for (auto c = first; c < end; ++c)
+      if (around[p].contains(cells.middle[*c], margin)) window[p] += cells.weight[*c];
+  }
   return *std::ranges::max_element(window);
 }
 } // namespace pdx::mesh

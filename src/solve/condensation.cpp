@@ -5,6 +5,7 @@
 #include "pdx/solve/inner_factor.hpp"
 
 #include <algorithm>
+#include <new>
 #include <numeric>
 
 namespace pdx::solve {
@@ -134,14 +135,18 @@ Condensation::Condensation(const field::System& system, Border border) : system_
   std::vector<double> dense;
   int sound = 1;
   if (rank_of(rows.comm) == 0) {
-    inner_ = std::make_unique<Inner>(Inner{InnerFactor(whole.get(), free, kept, dense), {}});
-    sound = inner_->factor.fault().empty();
-    fault_ = inner_->factor.fault();
-    subtract_product(whole.get(), held, targets, load); // what prescribed components pull with at rest of all others
-    if (sound) {
-      inner_->loaded = inner_->factor.solve(pick(load, free));
-      load = inner_->factor.condensed(pick(load, kept), inner_->loaded);
+    try { // the others wait: what fails here is told to them
+      inner_ = std::make_unique<Inner>(Inner{InnerFactor(whole.get(), free, kept, dense), {}});
+      fault_ = inner_->factor.fault();
+      subtract_product(whole.get(), held, targets, load); // what prescribed components pull with at rest of all others
+      if (fault_.empty()) {
+        inner_->loaded = inner_->factor.solve(pick(load, free));
+        load = inner_->factor.condensed(pick(load, kept), inner_->loaded);
+      }
+    } catch (const std::bad_alloc&) {
+      fault_ = "memory does not suffice for what stays of the elements";
     }
+    sound = fault_.empty();
   }
   MPI_Bcast(&sound, 1, MPI_INT, 0, rows.comm);
   if (!sound) {

@@ -59,9 +59,10 @@ std::string StaticSolver::reason_against(const StaticOptions& options) const
 std::string StaticSolver::judge(const Border& border, const StaticOptions& options) const
 {
   if (border.eliminated_components == 0 || border.kept_components == 0) return "no elements away from particles";
+  if (border.kept_components > kMostKept) return "too many elements touch particles for a dense matrix of them";
   if (options.condense == Condense::on) return "";
   const auto kept = static_cast<double>(border.kept_components);
-  if (border.kept_components > kMostKept || kept * kept > kDensest * static_cast<double>(border.eliminated_components))
+  if (kept * kept > kDensest * static_cast<double>(border.eliminated_components))
     return "too many elements touch particles for the others to count";
   return "";
 }
