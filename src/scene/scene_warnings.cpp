@@ -80,9 +80,34 @@ bool runs_along_row(const couple::PatchShape& shape, const Vector<2>& a, const V
 }
 } // namespace
 
+namespace {
+/// A table that ends before the body or its time does.
+std::string table_warning(const options::SceneOptions& options)
+{
+  constexpr double rounding = 1e-9;
+  const options::ThermalOptions& t = options.thermal;
+  if (!t.table) return {};
+  const Vector<2> lower = options.frame.given<2>(options.mesh.box.lower),
+                  upper = options.frame.given<2>(options.mesh.box.upper);
+  const std::array<std::array<double, 2>, 3> wanted{{{0.0, t.duration}, {lower[0], upper[0]}, {lower[1], upper[1]}}};
+  static constexpr const char* kinds[] = {"s in time", "m along x", "m along y"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::vector<double>& axis = t.table->axes[k];
+    const auto [first, last] = wanted[k];
+    const double near = rounding * (last - first);
+    if (axis.size() < 2 || (axis.front() <= first + near && axis.back() >= last - near)) continue;
+    return fmt::format(
+        "-thermal_file goes from {:g} to {:g} {}, and {} from {:g} to {:g}: beyond its ends temperatures "
+        "stay as they are there",
+        axis.front(), axis.back(), kinds[k], k ? "the body" : "the run", first, last);
+  }
+  return {};
+}
+} // namespace
+
 std::vector<std::string> option_warnings(const options::SceneOptions& options)
 {
-  std::vector<std::string> lines{time_warning(options), load_warning(options)};
+  std::vector<std::string> lines{time_warning(options), load_warning(options), table_warning(options)};
   if (options.solid)
     for (const options::BoundaryCondition& c : options.conditions) lines.push_back(third_warning(c));
   const std::vector<std::string> of_regions = options::region_warnings(options);

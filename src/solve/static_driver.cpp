@@ -83,21 +83,13 @@ void StaticDriver::prescribe(Vec u, double load) const
   PDX_CALL(VecRestoreArray(u, &values));
 }
 
-std::vector<double> StaticDriver::unbalanced_force(Vec u, double load) const
+std::vector<double> unbalanced_force(const field::System& system, std::span<const double> owned, double load,
+                                     std::vector<double>& local)
 {
-  const double* owned = nullptr;
-  PDX_CALL(VecGetArrayRead(u, &owned));
-  std::vector<double> r = unbalanced_force({owned, system_.load.size()}, load);
-  PDX_CALL(VecRestoreArrayRead(u, &owned));
-  return r;
-}
-
-std::vector<double> StaticDriver::unbalanced_force(std::span<const double> owned, double load) const
-{
-  system_.halo->fetch(owned, system_.rows.dim, local_);
-  std::vector<double> r(system_.load.size());
-  for (std::size_t k = 0; k < r.size(); ++k) r[k] = -load * system_.load[k];
-  for (const auto& term : system_.terms) term->add_residual(local_, r);
+  system.halo->fetch(owned, system.rows.dim, local);
+  std::vector<double> r(system.load.size());
+  for (std::size_t k = 0; k < r.size(); ++k) r[k] = -load * system.load[k];
+  for (const auto& term : system.terms) term->add_residual(local, r);
   return r;
 }
 
@@ -116,7 +108,7 @@ PetscErrorCode StaticDriver::residual(SNES, Vec u, Vec r, void* context)
     std::vector<double> state(at, at + self->system_.load.size());
     for (std::size_t k = 0; k < components.size(); ++k)
       state[static_cast<std::size_t>(components[k])] = self->load_ * targets[k];
-    std::vector<double> force = self->unbalanced_force(state, self->load_);
+    std::vector<double> force = unbalanced_force(self->system_, state, self->load_, self->local_);
     self->tangent_.drop_held(force);
     PDX_CALL(VecGetArrayWrite(r, &to));
     std::copy(force.begin(), force.end(), to);

@@ -101,10 +101,7 @@ Verdict StaticSolver::run(Vec u, LoadPath& path, const StaticDriver::Accepted& a
 
 std::vector<double> StaticSolver::unbalanced_force(Vec u, double load) const
 {
-  std::vector<double> local, force;
-  system_.halo->gather(u, local);
-  for (const double f : system_.load) force.push_back(-load * f);
-  for (const auto& term : system_.terms) term->add_residual(local, force);
-  return force;
+  std::vector<double> local;
+  return solve::unbalanced_force(system_, field::owned_values(u), load, local);
 }
 } // namespace pdx::solve

@@ -170,5 +170,15 @@ class Thermal(program.ProgramTest):
             free = self.solve(PLATE | how | {"-crack_names": None, "-crack_a_points": None})
             self.assertEqual(free.summary["bonds_broken"], 0)
 
+    def test_a_table_that_ends_before_the_body_is_told(self):
+        table = self.scratch / "short.heat"
+        table.write_text("".join(f"{t} {x} {y} {300 - 100 * t}\n" for t in (0, 1) for x in (0, 0.5) for y in (0, 1)))
+        heat = {"-mesh_lower": "0,0", "-mesh_upper": "1,1", "-mesh_cells": "4,4", "-material_young": "1e9", "-material_expansion": "1e-5",
+                "-thermal_field": "file", "-thermal_initial": "300", "-thermal_duration": "1", "-thermal_file": str(table),
+                "-bc_names": "l", "-bc_l_on": "left", "-bc_l_displacement": "0,0", "-quiet": ""}  # fmt: skip
+        self.assertRegex(self.launch(heat).err, r"^warning: -thermal_file goes from 0 to 0\.5 m along x, and the body from 0 to 1")
+        self.assertRegex(self.launch(heat | {"-mesh_upper": "0.5,1", "-thermal_duration": "5"}).err, r"0 to 1 s in time, and the run from 0 to 5")
+        self.assertEqual(self.launch(heat | {"-mesh_upper": "0.5,1"}).err, "")
+
 
 program.main()

@@ -63,6 +63,11 @@ struct OpenStep {
   std::vector<double> start; ///< owned displacement accepted last; AfterSolves have saved what belongs to it [m]
 };
 
+/// Residual of the free components and reactions at prescribed ones: internal force - load [N]. Collective.
+/// @param owned displacement [m]   @param local room for it with its halo
+std::vector<double> unbalanced_force(const field::System& system, std::span<const double> owned, double load,
+                                     std::vector<double>& local);
+
 /// Quasi-static equilibrium by SNES: for each load, solve and ask the AfterSolves, again until they are quiet; call
 /// back; go on. A load that cannot be reached is approached by halves.
 class StaticDriver {
@@ -87,8 +92,6 @@ public:
   LoadPath path() const { return {options_.load_steps, options_.max_halvings}; }
   const StaticReport& report() const { return report_; }
   SNES snes() const { return snes_.get(); }
-  /// Residual of the free components and reactions at prescribed ones: internal force - load [N]. Collective.
-  std::vector<double> unbalanced_force(Vec u, double load) const;
 
 private:
   static PetscErrorCode residual(SNES, Vec u, Vec r, void* self);
@@ -109,7 +112,6 @@ private:
   void set_tolerances(std::span<const double> force, std::span<const double> residual);
   void restore(Vec saved, Vec u, bool changed);
   void prescribe(Vec u, double load) const;
-  std::vector<double> unbalanced_force(std::span<const double> owned, double load) const;
 
   const field::System& system_;
   StaticOptions options_;
