@@ -88,12 +88,12 @@ private:
       const Vector<2> x = part_.lattice().point(site);
       throw UserError(
           options_.scheme == Scheme::handshake
-              ? fmt::format("-mpm_coupling handshake needs one lattice of particles in a body, but the site at {} lies "
-                            "in a patch of another: use energy",
-                            options_.frame.text(x))
-              : fmt::format("-couple_scheme {} needs plain elements within a horizon of each patch, but the ghost "
+              ? fmt::format("{} needs one lattice of particles in a body, but the site at {} lies in a patch of "
+                            "another: use energy",
+                            option_of(options_.scheme), options_.frame.text(x))
+              : fmt::format("{} needs plain elements within a horizon of each patch, but the ghost "
                             "at {} lies in another patch: move the patches apart or use energy",
-                            options_.scheme == Scheme::ghost ? "ghost" : "interface", options_.frame.text(x)));
+                            option_of(options_.scheme), options_.frame.text(x)));
     });
   }
 

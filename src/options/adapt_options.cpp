@@ -67,10 +67,14 @@ double contraction_length(const SceneOptions& options, double horizon, double el
 namespace {
 void judge_face_mass(const SceneOptions& s)
 {
-  if (s.face_mass && (!s.time.dynamic() || !s.pd.bordered() || s.scheme != couple::Scheme::energy))
+  if (s.face_mass && s.scheme != couple::Scheme::energy)
+    throw UserError(fmt::format(
+        "-couple_face_mass is of bonds up to the border, which {0} has not: take the energy coupling, or drop it",
+        couple::option_of(s.scheme)));
+  if (s.face_mass && (!s.time.dynamic() || !s.pd.bordered()))
     throw UserError(
         "-couple_face_mass is of particles beside elements or points that move, with bonds up to the border: "
-        "drop it, or give -pd_patches, -analysis explicit and the energy coupling");
+        "drop it, or give -pd_patches and -analysis explicit");
 }
 } // namespace
 

@@ -116,9 +116,9 @@ std::string lines_of(const SceneOptions& options)
 {
   const law::Elastic& m = options.elastic;
   std::string text =
-      fmt::format("material = E {} nu {} rho {} thickness {} {}\nkinematics = {}\nscheme = {}\n", m.young, m.poisson,
+      fmt::format("material = E {} nu {} rho {} thickness {} {}\nkinematics = {}\ncoupling = {}\n", m.young, m.poisson,
                   m.density, m.thickness, m.plane == law::Plane::stress ? "plane stress" : "plane strain",
-                  static_cast<int>(options.kinematics), static_cast<int>(options.scheme));
+                  static_cast<int>(options.kinematics), couple::option_of(options.scheme));
   if (options.face_mass) text += "mass = handed to the border\n";
   text += fmt::format("bonds = micromodulus {}, calibration {}, surface correction {}\n",
                       static_cast<int>(options.pd.micromodulus), static_cast<int>(options.pd.calibration),

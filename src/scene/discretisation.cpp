@@ -127,11 +127,9 @@ void refuse_other_shapes(const options::SceneOptions& options, const PatchPlan& 
   if (options.scheme == couple::Scheme::energy || options.scheme == couple::Scheme::handshake) return;
   for (std::size_t p = 0; p < plan.shapes.size(); ++p)
     if (!plan.shapes[p].active.is_box())
-      throw UserError(
-          fmt::format("-couple_scheme {} needs boxes apart, but {} of -pd_patches make up a patch of another "
-                      "shape: use energy, or move the boxes apart",
-                      options.scheme == couple::Scheme::ghost ? "ghost" : "interface",
-                      fmt::join(numbers_from_1(plan.entries[p]), ", ")));
+      throw UserError(fmt::format("{} needs boxes apart, but {} of -pd_patches make up a patch of another "
+                                  "shape: use energy, or move the boxes apart",
+                                  couple::option_of(options.scheme), fmt::join(numbers_from_1(plan.entries[p]), ", ")));
 }
 
 /// A toughness tells when bonds break.

@@ -15,6 +15,13 @@ namespace pdx::couple {
 /// handshake: ghosts beside patches of any shape: all bonds of a particle act whole, whatever lies on their way, on
 ///            the material point, or on what would be one, at the other end.  [APDMPM Eqs. 23-25, 29, 36-38]
 enum class Scheme { energy, ghost, interface, handshake };
+/// The option that asks for it.
+constexpr const char* option_of(Scheme scheme)
+{
+  constexpr const char* options[] = {"-couple_scheme energy", "-couple_scheme ghost", "-couple_scheme interface",
+                                     "-mpm_coupling handshake"};
+  return options[static_cast<int>(scheme)];
+}
 
 struct CouplingOptions {
   Scheme scheme = Scheme::energy;
