@@ -5,6 +5,7 @@
 #include "pdx/geom/box_cover.hpp"
 
 #include "cover_list.hpp"
+#include "principal_strains.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,14 +37,6 @@ std::array<double, 4> around(std::span<const Asking> asking)
 }
 
 using Gradients = Eigen::Matrix<double, 4, 2>;
-
-/// Larger and smaller principal stretch less 1, of F = I + h: rotations feel nothing.
-std::array<double, 2> principal_strains(const Tensor<2>& h)
-{
-  const double a = 1.0 + h(0, 0), b = h(0, 1), c = h(1, 0), d = 1.0 + h(1, 1);
-  const double plus = std::hypot(a + d, c - b), minus = std::hypot(a - d, c + b);
-  return {0.5 * (plus + minus) - 1.0, 0.5 * (plus - minus) - 1.0};
-}
 } // namespace
 
 BulkWatch::BulkWatch(const SceneView& scene, const ConversionRule& rule, const ElasticOfBody& elastic) : rule_(rule)

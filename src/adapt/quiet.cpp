@@ -4,6 +4,7 @@
 #include "pdx/geom/box_cover.hpp"
 
 #include "cover_list.hpp"
+#include "principal_strains.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,14 +37,6 @@ struct Fit {
     return rise * spread.inverse();
   }
 };
-
-/// Larger and smaller principal stretch less 1, of F = I + h.
-std::array<double, 2> principal_strains(const Tensor<2>& h)
-{
-  const double plus = std::hypot(2.0 + h(0, 0) + h(1, 1), h(1, 0) - h(0, 1)),
-               minus = std::hypot(h(0, 0) - h(1, 1), h(1, 0) + h(0, 1));
-  return {0.5 * (plus + minus) - 1.0, 0.5 * (plus - minus) - 1.0};
-}
 
 bool is_calm(const Fit& fit, const QuietRule& rule)
 {
