@@ -21,7 +21,10 @@ def newman(a):
 
 
 def bowie(a, cracks):
-    """One or two cracks: formulas for Bowie's figures of 1956 [Tada, Paris and Irwin, Handbook]; "better than 1 %"."""
+    """One or two cracks: formulas for Bowie's figures of 1956 [Tada, Paris and Irwin, Handbook]; "better than 1 %".
+
+    That for two stands in public codes as it does here. That for one was not found again; its ends are right: 3 x 1.1215 for s = 0,
+    a short crack where the stress is threefold, and 1 / sqrt(2) for s = 1, a crack without its hole."""
     s = a / (RADIUS + a)
     if cracks == 2:
         return 0.5 * (3 - s) * (1 + 1.243 * (1 - s) ** 3)

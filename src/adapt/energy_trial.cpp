@@ -105,7 +105,7 @@ const law::Elastic& EnergyTrial::law_of(std::size_t particle) const
 double EnergyTrial::volume(std::size_t particle) const
 {
   const double dx = scene_.around[static_cast<std::size_t>(scene_.particles[particle].patch)].shape().lattice.dx;
-  return dx * dx * given_.elastic.thickness;
+  return dx * dx * law_of(particle).thickness;
 }
 
 std::size_t EnergyTrial::row(std::size_t particle) const

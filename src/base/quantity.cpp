@@ -17,7 +17,7 @@ struct NamedUnit {
   Unit unit;
   bool prefixed; ///< takes k, m, ...
 };
-constexpr std::array<NamedUnit, 14> kUnits{{{"m", {0, 1, 0, 1.0}, true},
+constexpr std::array<NamedUnit, 16> kUnits{{{"m", {0, 1, 0, 1.0}, true},
                                             {"g", {1, 0, 0, 1e-3}, true},
                                             {"t", {1, 0, 0, 1e3}, false},
                                             {"s", {0, 0, 1, 1.0}, true},
@@ -30,6 +30,8 @@ constexpr std::array<NamedUnit, 14> kUnits{{{"m", {0, 1, 0, 1.0}, true},
                                             {"Hz", {0, 0, -1, 1.0}, true},
                                             {"K", {0, 0, 0, 1.0, 1}, true},
                                             {"%", {0, 0, 0, 1e-2}, false},
+                                            {"rad", {0, 0, 0, 1.0}, false},
+                                            {"deg", {0, 0, 0, 0.017453292519943295}, false},
                                             {"1", {0, 0, 0, 1.0}, false}}};
 struct Prefix {
   std::string_view name;

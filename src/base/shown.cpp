@@ -87,10 +87,13 @@ std::string shown_path(std::string_view path)
 
 std::string as_one_line(std::string_view message)
 {
-  constexpr std::size_t most = 380, head = 240;
+  constexpr std::size_t most = 640, head = 400, word = 30;
   const std::string line = escaped(message);
   if (line.size() <= most) return line;
-  return line.substr(0, whole_before(line, head)) + " ... " +
-         line.substr(whole_before(line, line.size() - (most - head - 5)));
+  std::size_t end = whole_before(line, head), begin = whole_before(line, line.size() - (most - head - 5));
+  if (const std::size_t blank = line.rfind(' ', end); blank != std::string::npos && end - blank <= word) end = blank;
+  if (const std::size_t blank = line.find(' ', begin); blank != std::string::npos && blank - begin <= word)
+    begin = blank + 1; // neither half of a word nor of a number
+  return line.substr(0, end) + " ... " + line.substr(begin);
 }
 } // namespace pdx

@@ -258,14 +258,25 @@ std::optional<LoosePart> LooseParts::judge(const std::vector<PetscInt>& labels, 
     double values[9];
   };
   std::map<PetscInt, Eigen::Matrix3d> resistances;
-  for (const Index component : system_.prescribed.components) {
-    const auto row = static_cast<std::size_t>(component / 2);
-    if (labels[row] < 0) continue;
+  const auto resist = [&](Index owned_row, const Vector<2>& along) {
+    const auto row = static_cast<std::size_t>(owned_row);
+    if (labels[row] < 0) return;
     const Part& part = parts.at(labels[row]);
     const Vector<2> r = (Vector<2>(x[2 * row], x[2 * row + 1]) - part.centre()) / part.size();
-    const Eigen::Vector3d motion = component % 2 ? Eigen::Vector3d(0.0, 1.0, r[0]) : Eigen::Vector3d(1.0, 0.0, -r[1]);
+    const Eigen::Vector3d motion(along[0], along[1], r[0] * along[1] - r[1] * along[0]);
     resistances.try_emplace(labels[row], Eigen::Matrix3d::Zero()).first->second += motion * motion.transpose();
-  }
+  };
+  for (const Index component : system_.prescribed.components)
+    resist(component / 2, component % 2 ? Vector<2>(0.0, 1.0) : Vector<2>(1.0, 0.0));
+  for (const field::Roller& roller : system_.rollers) resist(roller.row, roller.along.head<2>());
+  for (const field::SpringTerm* springs : system_.springs)
+    for (std::size_t k = 0; k < springs->rows().size(); ++k) {
+      const SymmetricModes modes =
+          symmetric_modes(Eigen::Map<const Eigen::Matrix2d>(springs->stiffness().data() + 4 * k));
+      for (int mode = 0; mode < 2; ++mode)
+        if (modes.values[mode] > kNoResistance * modes.values[1])
+          resist(springs->rows()[k], modes.vectors.col(mode).head<2>());
+    }
   std::vector<Resistance> summands;
   for (const auto& [label, matrix] : resistances) {
     Resistance& summand = summands.emplace_back(Resistance{label, {}});

@@ -1,6 +1,7 @@
 #include "pdx/field/system.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pdx::field {
 void System::bind(const std::vector<PetscInt>& also_needed)
@@ -13,6 +14,20 @@ void System::bind(const std::vector<PetscInt>& also_needed)
   for (const Index component : prescribed.components) flags[static_cast<std::size_t>(component)] = 1.0;
   halo->fetch(flags, rows.dim, all);
   held.assign(all.begin(), all.end());
+  int any = rollers.empty() ? 0 : 1;
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, rows.comm);
+  rolls = any != 0;
+}
+
+std::vector<double> System::targets(double to) const
+{
+  std::vector<double> now(prescribed.values);
+  for (double& value : now) value *= to;
+  for (const Turning& t : turning) {
+    const double angle = to * t.angle, half = std::sin(0.5 * angle);
+    now[t.at] = std::sin(angle) * t.across - 2.0 * half * half * t.along;
+  }
+  return now;
 }
 
 void System::go_to(double to) const

@@ -15,11 +15,17 @@ Regions::Regions(const Elastic& rest, double toughness, double reference, std::v
     : rest_(rest), regions_(std::move(regions))
 {
   std::vector<double> gc(count() * count());
-  const auto own = [&](std::size_t region) { return region ? regions_[region - 1].toughness : toughness; };
+  const auto thick = [this](std::size_t region) { return elastic(region).thickness / rest_.thickness; };
+  const auto own = [&](std::size_t region) {
+    return (region ? regions_[region - 1].toughness : toughness) * thick(region);
+  };
   for (std::size_t a = 0; a < count(); ++a) {
     one_elastic_ = one_elastic_ && same(elastic(a), rest_);
     for (std::size_t b = 0; b < count(); ++b) {
-      const double ra = elastic(a).young / rest_.young, rb = elastic(b).young / rest_.young;
+      const auto stiff = [this](std::size_t region) {
+        return elastic(region).young * elastic(region).thickness / (rest_.young * rest_.thickness);
+      };
+      const double ra = stiff(a), rb = stiff(b);
       stiffness_.push_back(2.0 * ra * rb / (ra + rb));
       gc[a * count() + b] = std::min(own(a), own(b));
     }
@@ -27,7 +33,8 @@ Regions::Regions(const Elastic& rest, double toughness, double reference, std::v
   for (std::size_t a = 0; a < count(); ++a) // what never breaks holds its neighbours' bonds too
     for (std::size_t b = 0; b < count(); ++b)
       if (std::isinf(own(a)) || std::isinf(own(b))) gc[a * count() + b] = std::max(own(a), own(b));
-  for (const Interface& i : interfaces) gc[i.a * count() + i.b] = gc[i.b * count() + i.a] = i.toughness;
+  for (const Interface& i : interfaces)
+    gc[i.a * count() + i.b] = gc[i.b * count() + i.a] = i.toughness * std::min(thick(i.a), thick(i.b));
   for (std::size_t k = 0; k < gc.size(); ++k) {
     stretch_.push_back(std::sqrt(gc[k] / reference / stiffness_[k]));
     one_stretch_ = one_stretch_ && stretch_.back() == 1.0;

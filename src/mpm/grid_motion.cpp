@@ -132,7 +132,7 @@ template <int Dim> void GridMotion<Dim>::hold_nodes(double time, double kick, bo
   for (std::size_t k = 0; k < holds_.size(); ++k) {
     const GridHold<Dim>& hold = holds_[k];
     const auto axis = static_cast<std::size_t>(hold.axis);
-    const double v = hold.velocity(time);
+    const double shift = hold.velocity ? hold.velocity(time) : 0.0, turn = hold.spin ? hold.spin(time) : 0.0;
     Site<Dim> from, to;
     bool any = true;
     for (std::size_t d = 0; d < Dim; ++d) {
@@ -146,7 +146,12 @@ template <int Dim> void GridMotion<Dim>::hold_nodes(double time, double kick, bo
     if (!any) continue;
     for (Site<Dim> node = from;;) {
       const std::size_t at = nodes_.number(node);
-      if (brought)
+      Vector<Dim> place = origin_;
+      for (std::size_t d = 0; d < Dim; ++d) place[static_cast<Eigen::Index>(d)] += rule_.side * node[d];
+      const double v = hold.at(place, shift, turn);
+      if (hold.along)
+        roll_node(k, at, kick, force, brought);
+      else if (brought)
         view.brought[axis][at] = v;
       else {
         if (force && view.mass[at] > 0.0) {
@@ -165,6 +170,28 @@ template <int Dim> void GridMotion<Dim>::hold_nodes(double time, double kick, bo
       if (d == Dim) break;
     }
   }
+}
+
+/// A node that does not move along a direction, whatever it does across it.
+template <int Dim>
+void GridMotion<Dim>::roll_node(std::size_t hold, std::size_t at, double kick, bool force, bool brought)
+{
+  const NodeView<Dim>& view = nodes_.view();
+  const Vector<Dim>& along = *holds_[hold].along;
+  const auto take_out = [&](const auto& lists) {
+    double before = 0.0;
+    for (std::size_t d = 0; d < Dim; ++d) before += along[static_cast<Eigen::Index>(d)] * lists[d][at];
+    for (std::size_t d = 0; d < Dim; ++d) lists[d][at] -= before * along[static_cast<Eigen::Index>(d)];
+    return before;
+  };
+  if (brought) {
+    (void)take_out(view.brought);
+    return;
+  }
+  const double before = take_out(view.velocity);
+  if (!force || view.mass[at] <= 0.0) return;
+  if (nodes_.owned(at)) hold_force_[hold] -= view.mass[at] * before / kick;
+  for (std::size_t d = 0; d < Dim; ++d) view.pull[d][at] -= before * along[static_cast<Eigen::Index>(d)] / kick;
 }
 
 template <int Dim> void GridMotion<Dim>::step(double time, double length, double kick)

@@ -22,7 +22,7 @@ void judge_cloud_condition(const BoundaryCondition& c)
         fmt::format("{0}_traction needs a surface, and a cloud has none: give {0}_force in all, or {0}_body, "
                     "with {0}_box or {0}_set",
                     stem));
-  if (c.at || c.layer || c.rows != 1)
+  if ((c.at && !c.pin) || c.layer || c.rows != 1)
     throw UserError(fmt::format("{0}_{1} has no meaning for a cloud: choose particles by {0}_box or {0}_set", stem,
                                 c.at      ? "at"
                                 : c.layer ? "layer"

@@ -27,6 +27,9 @@ void judge_grid(const SceneOptions& s)
     const std::string stem = "-bc_" + c.name;
     if (c.traction)
       throw UserError(fmt::format("{0}_traction is of -mpm_formulation total: give {0}_body or {0}_velocity", stem));
+    if (c.springs || c.pin)
+      throw UserError(
+          fmt::format("{0}_{1} is of -mpm_formulation total: give that, or drop it", stem, c.pin ? "pin" : "spring"));
     if (c.body && c.box)
       throw UserError(
           fmt::format("{0}_body acts on whole bodies with -mpm_formulation updated: drop {0}_box, or choose "

@@ -162,7 +162,7 @@ void judge_condition(const SceneOptions& s, const BoundaryCondition& c)
     throw UserError(
         fmt::format("{}_of is {}: no body has that name; bodies are {}", stem, c.of, fmt::join(names, ", ")));
   }
-  if ((c.force || c.at) && !s.mixed())
+  if ((c.force || (c.at && !c.pin)) && !s.mixed())
     throw UserError(fmt::format("{0}_force has no meaning for material points: give {0}_body or {0}_traction", stem));
   if (c.layer || (c.rows != 1 && !s.mixed()) || c.set)
     throw UserError(fmt::format("{0}_{1} is of particles: choose points by {0}_of, {0}_on or {0}_box", stem,

@@ -1,6 +1,7 @@
 #include "pdx/options/region_options.hpp"
 
 #include "pdx/base/shown.hpp"
+#include "pdx/geom/orientation.hpp"
 #include "pdx/mesh/gmsh.hpp"
 #include "pdx/options/scene_options.hpp"
 
@@ -26,6 +27,26 @@ std::vector<geom::Outline::Edge> read_box(Options& o, const std::string& name)
   return geom::Outline::edges_of({{v[0], v[1]}, {v[2], v[3]}});
 }
 
+bool crosses(const geom::Outline::Edge& a, const geom::Outline::Edge& b)
+{
+  const auto side = [](const geom::Outline::Edge& of, const Vector<2>& x) {
+    return geom::orientation(of[0], of[1], x);
+  };
+  return side(a, b[0]) * side(a, b[1]) < 0 && side(b, a[0]) * side(b, a[1]) < 0;
+}
+
+/// What lies in a polygon that crosses itself is not what one sees.
+void refuse_crossing(const std::string& name, std::span<const geom::Outline::Edge> border)
+{
+  for (std::size_t a = 0; a < border.size(); ++a)
+    for (std::size_t b = a + 1; b < border.size(); ++b)
+      if (crosses(border[a], border[b]))
+        throw UserError(
+            fmt::format("{} crosses itself: its sides from ({:g}, {:g}) and from ({:g}, {:g}) meet; give the "
+                        "corners in order",
+                        name, border[a][0][0], border[a][0][1], border[b][0][0], border[b][0][1]));
+}
+
 std::vector<geom::Outline::Edge> read_polygon(Options& o, const std::string& name)
 {
   const std::vector<double> v = o.reals(name, {}, 0, "m", "corners of a polygon in order: x0,y0,x1,y1,x2,y2,...");
@@ -36,6 +57,7 @@ std::vector<geom::Outline::Edge> read_polygon(Options& o, const std::string& nam
     const std::size_t next = (k + 2) % v.size();
     border.push_back({Vector<2>(v[k], v[k + 1]), Vector<2>(v[next], v[next + 1])});
   }
+  refuse_crossing(name, border);
   return border;
 }
 
@@ -67,6 +89,8 @@ law::Elastic read_elastic(Options& o, const std::string& stem, const Material& m
       o.real(stem + "_poisson", poisson, "-", "Poisson's ratio; with particles that of bonds", {-0.999, 0.4999});
   elastic.density = o.real(stem + "_density", material.density.value_or(rest.density), "kg/m^3",
                            "mass density; usually -material_density", Range::positive());
+  elastic.thickness = o.real(stem + "_thickness", rest.thickness, "m",
+                             "thickness of a plate there; usually -material_thickness", Range::positive());
   if (!describe && particles && std::abs(elastic.poisson - rest.poisson) > kSamePoisson)
     throw UserError(fmt::format("{}_poisson is {}: with particles it must be that of bonds, {:.6g}; drop it", stem,
                                 elastic.poisson, rest.poisson));
@@ -211,9 +235,10 @@ void judge_regions(const SceneOptions& s)
   if (s.converts())
     throw UserError("-region_names: bulk that is converted (-adapt_trigger) is of one material; give -pd_patches, or "
                     "drop them");
-  if (s.post.any_j())
-    throw UserError("-post_j_... and -post_energy_release are of one material, as J does not depend on the contour "
-                    "there: drop them, or -region_names");
+  for (const RegionOptions& region : s.region_set.regions)
+    if (s.solid && region.elastic.thickness != s.elastic.thickness)
+      throw UserError(fmt::format(
+          "-region_{}_thickness is of plates: in space bodies are as thick as they are; drop it", region.name));
   if (s.fracture.critical_stretch)
     throw UserError("-pd_critical_stretch is of one material: give -material_toughness and -region_NAME_toughness");
   for (const RegionOptions& region : s.region_set.regions)
@@ -233,7 +258,7 @@ std::vector<std::string> region_warnings(const SceneOptions& s)
     if (named || !law::same(region.elastic, s.elastic) || !breaks_alike || (region.no_fail && s.fracture.active()))
       continue;
     lines.push_back(fmt::format("-region_{0} is of the same material as the rest{1} and changes nothing: give "
-                                "-region_{0}_young, _density, _toughness or _material, or drop it",
+                                "-region_{0}_young, _density, _thickness, _toughness or _material, or drop it",
                                 region.name, region.no_fail ? ", where nothing breaks," : ""));
   }
   return lines;

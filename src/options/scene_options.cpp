@@ -1,7 +1,5 @@
 #include "pdx/options/scene_options.hpp"
 
-#include "pdx/base/number.hpp"
-#include "pdx/base/shown.hpp"
 #include "pdx/law/bond.hpp"
 #include "pdx/options/adapt_options.hpp"
 #include "pdx/options/material_options.hpp"
@@ -107,135 +105,6 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
   return pd;
 }
 
-std::array<std::optional<double>, 3> read_components(Options& o, const std::string& name, bool solid, const char* unit,
-                                                     const char* help)
-{
-  const std::vector<std::string> parts = o.texts(name, {}, help);
-  std::array<std::optional<double>, 3> held;
-  if (parts.empty()) return held;
-  if (parts.size() != 2 && !(solid && parts.size() == 3))
-    throw UserError(fmt::format("{} has {} values: must have 2{}, a number or the word free each", name, parts.size(),
-                                solid ? " or 3" : ""));
-  for (std::size_t a = 0; a < parts.size(); ++a) {
-    if (parts[a] == "free") continue;
-    const std::optional<double> value = number_of(name, parts[a], unit);
-    if (!value || !std::isfinite(*value))
-      throw UserError(fmt::format("{} is \"{}\" in component {}: must be a finite number or the word free", name,
-                                  shown(parts[a]), a + 1));
-    held[a] = *value;
-  }
-  require_units_alike(name, parts);
-  return held;
-}
-
-std::optional<Vector<2>> read_vector(Options& o, const std::string& name, const char* unit, const char* help)
-{
-  const std::vector<double> v = o.reals(name, {}, o.given(name) ? 2 : 0, unit, help);
-  if (v.empty()) return std::nullopt;
-  return Vector<2>(v[0], v[1]);
-}
-
-/// Two components, or in a solid three; the third is 0 where it is not given.
-std::optional<Vector<3>> read_vector(Options& o, const std::string& name, bool solid, const char* unit,
-                                     const char* help)
-{
-  const bool three = solid && o.texts(name, {}, help).size() == 3;
-  const std::vector<double> v = o.reals(name, {}, three ? 3 : o.given(name) ? 2 : 0, unit, help);
-  if (v.empty()) return std::nullopt;
-  return Vector<3>(v[0], v[1], three ? v[2] : 0.0);
-}
-
-void judge(const BoundaryCondition& c)
-{
-  const std::string stem = "-bc_" + c.name;
-  if (!c.holds() && !c.traction && !c.body && !c.force && !c.initial_velocity)
-    throw UserError(
-        fmt::format("{0}: nothing is prescribed: give {0}_displacement, {0}_traction, {0}_body or {0}_force "
-                    "(in time also {0}_velocity or {0}_initial_velocity)",
-                    stem));
-  for (std::size_t a = 0; a < 3; ++a)
-    if (c.displacement[a] && c.velocity[a])
-      throw UserError(fmt::format("{0}_velocity holds what {0}_displacement holds already: write free for one", stem));
-  if ((c.holds() || c.traction) && c.on.empty() && !c.box && !c.set && c.of.empty())
-    throw UserError(fmt::format("{0}: no place given: name a boundary with {0}_on, or a box with {0}_box (of a cloud: "
-                                "a box or {0}_set)",
-                                stem));
-  if (c.set && !is_cloud())
-    throw UserError(fmt::format("{0}_set is of the particles of a -pd_cloud: choose by {0}_on or {0}_box", stem));
-  if (!c.of.empty() && !are_points())
-    throw UserError(fmt::format("{0}_of is a body of -mpm_bodies: choose by {0}_on or {0}_box", stem));
-  if (c.traction && c.on.empty() && !is_cloud())
-    throw UserError(
-        fmt::format("{0}_traction needs edges: name their boundary with {0}_on (and cut it with {0}_box)", stem));
-  if (c.force && !c.at && !is_cloud()) throw UserError(fmt::format("{0}_force needs a place: give {0}_at x,y", stem));
-  if (c.at && !c.force)
-    throw UserError(fmt::format("{0}_at is the place of a point force: give {0}_force fx,fy", stem));
-  if (!c.on.empty() && !c.holds() && !c.traction && !c.initial_velocity)
-    throw UserError(fmt::format("{0}_on is {1}: a body force acts everywhere or in {0}_box, a point force at {0}_at; "
-                                "drop {0}_on",
-                                stem, c.on));
-  if (c.history && !c.holds() && !c.traction && !c.body && !c.force)
-    throw UserError(fmt::format("{0}_history acts on loads and on what is held: {0}_initial_velocity is given once, at "
-                                "the start",
-                                stem));
-  if (c.layer && c.box) throw UserError(fmt::format("{0}_box cannot cut {0}_layer: a layer is held as a whole", stem));
-  if (c.layer && (!c.holds() || c.on.empty()))
-    throw UserError(
-        fmt::format("{0}_layer holds particles outside a boundary: give {0}_on and {0}_displacement", stem));
-}
-
-BoundaryCondition read_condition(const std::string& name, bool solid, bool describe)
-{
-  Options o("bc");
-  const std::string stem = "-bc_" + name;
-  BoundaryCondition c;
-  c.name = name;
-  c.on = o.text(stem + "_on", "",
-                "boundary of the mesh: left, right, bottom, top (solid: back, front), or a physical group");
-  const auto box = o.reals(stem + "_box", {}, o.given(stem + "_box") ? 4 : 0, "m", "only what lies in x0,y0,x1,y1");
-  if (!box.empty()) {
-    c.box = geom::Box<2>{{box[0], box[1]}, {box[2], box[3]}};
-    if ((c.box->size().array() < 0.0).any())
-      throw UserError(fmt::format("{}_box is {},{},{},{}: must be x0,y0,x1,y1 with x0 <= x1 and y0 <= y1", stem, box[0],
-                                  box[1], box[2], box[3]));
-  }
-  if (const int set = o.integer(stem + "_set", 0, "of a cloud: only particles of this set"); o.given(stem + "_set"))
-    c.set = set;
-  c.of = o.text(stem + "_of", "", "of material points: only this body");
-  c.displacement = read_components(o, stem + "_displacement", solid, "m",
-                                   "held displacement ux,uy (solid: ,uz) [m]; free leaves a component");
-  c.velocity = read_components(o, stem + "_velocity", solid, "m/s",
-                               "held velocity vx,vy [m/s], in time; the word free as above");
-  c.initial_velocity =
-      read_vector(o, stem + "_initial_velocity", solid, "m/s", "velocity vx,vy at the start, free afterwards");
-  c.traction = read_vector(o, stem + "_traction", solid, "Pa", "constant traction tx,ty on the boundary");
-  c.body = read_vector(o, stem + "_body", solid, "N/m^3", "body force bx,by");
-  c.force = read_vector(o, stem + "_force", solid, "N",
-                        "point force fx,fy on the nearest node or particle, shared by equally near ones; of a cloud: "
-                        "on what _box and _set choose, by volume");
-  c.at = read_vector(o, stem + "_at", "m", "place x,y of the point force");
-  c.history = read_history(o, stem);
-  c.rows = o.integer(stem + "_rows", 1, "particle rows under the boundary that take part", {1.0, 1e6});
-  c.layer = o.boolean(stem + "_layer", false, "hold a layer of one horizon of particles outside the boundary");
-  if (describe) return c;
-  judge(c);
-  return c;
-}
-
-std::vector<BoundaryCondition> read_conditions(bool solid, bool describe)
-{
-  Options o("bc");
-  std::vector<std::string> names = o.texts("-bc_names", {}, "names of the boundary conditions that follow");
-  if (describe) names = {"NAME"};
-  std::vector<BoundaryCondition> conditions;
-  for (const std::string& name : names) {
-    if (std::count(names.begin(), names.end(), name) > 1)
-      throw UserError(fmt::format("-bc_names lists {} twice: names must differ", name));
-    conditions.push_back(read_condition(name, solid, describe));
-  }
-  return conditions;
-}
-
 void judge_time(const SceneOptions& s)
 {
   judge_adapt(s);
@@ -248,6 +117,9 @@ void judge_time(const SceneOptions& s)
     throw UserError("-rebalance_threshold deals out the work of explicit steps: give -analysis explicit, or drop it");
   if (s.layout.renew_interval > 0 && s.time.analysis == Analysis::implicit_dynamics)
     throw UserError("-layout_renew_interval: implicit steps keep their layout; give -analysis explicit or static");
+  for (const BoundaryCondition& c : s.conditions)
+    if (c.pin && s.time.analysis != Analysis::explicit_dynamics)
+      throw UserError(fmt::format("-bc_{}_pin pushes in explicit steps only: give -analysis explicit", c.name));
   if (s.time.dynamic()) {
     for (const char* name : {"-load_steps", "-load_halvings", "-load_passes", "-load_broken_share", "-static_condense",
                              "-pd_release", "-pd_release_share"})
@@ -263,12 +135,16 @@ void judge_time(const SceneOptions& s)
     return;
   }
   if (!s.output.times.empty()) throw UserError("-output_times acts in time: give -analysis explicit or implicit");
-  for (const BoundaryCondition& c : s.conditions)
-    if (c.moves() || c.initial_velocity || c.history)
-      throw UserError(fmt::format("-bc_{}_{} acts in time: give -analysis explicit or implicit", c.name,
-                                  c.moves()   ? "velocity"
-                                  : c.history ? "history"
-                                              : "initial_velocity"));
+  for (const BoundaryCondition& c : s.conditions) {
+    const std::string stem = "-bc_" + c.name;
+    if (c.moves() || c.initial_velocity)
+      throw UserError(fmt::format("{}_{} acts in time: give -analysis explicit or implicit", stem,
+                                  c.moves() ? "velocity" : "initial_velocity"));
+    if (c.history)
+      throw UserError(fmt::format("{0}_history is a factor in time, and in statics loads grow evenly to what is given "
+                                  "(-load_steps): drop {0}_history..., or give -analysis explicit or implicit",
+                                  stem));
+  }
 }
 
 /// Solids are particles that move; nothing else knows the third direction.
@@ -315,8 +191,8 @@ void judge(const SceneOptions& s)
   judge_time(s);
   judge_regions(s);
   if (!s.time.dynamic() &&
-      std::none_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.holds(); }))
-    throw UserError("the body is not held anywhere: give a -bc_NAME_displacement");
+      std::none_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.supports(); }))
+    throw UserError("the body is not held anywhere: give a -bc_NAME_displacement, _roller or _spring");
 }
 
 SceneOptions read_all(bool describe)
@@ -354,7 +230,7 @@ SceneOptions read_all(bool describe)
     s.fracture.rest_breaks = false;
   }
   s.thermal = ThermalOptions::read(describe);
-  s.conditions = read_conditions(s.solid, describe);
+  s.conditions = read_conditions(s.solid, s.elastic.young, describe);
   s.load = LoadOptions::read();
   s.time = TimeOptions::read();
   s.layout = LayoutOptions::read();

@@ -125,8 +125,9 @@ std::string lines_of(const SceneOptions& options)
                       static_cast<int>(options.pd.surface_correction));
   text += fmt::format("corner of the body = {}\n", fmt::join(options.frame.origin(), ", "));
   for (const RegionOptions& r : options.region_set.regions)
-    text += fmt::format("region {} = E {} nu {} rho {} Gc {} no-fail {}\n", r.name, r.elastic.young, r.elastic.poisson,
-                        r.elastic.density, r.toughness.value_or(0.0), r.no_fail);
+    text +=
+        fmt::format("region {} = E {} nu {} rho {} thickness {} Gc {} no-fail {}\n", r.name, r.elastic.young,
+                    r.elastic.poisson, r.elastic.density, r.elastic.thickness, r.toughness.value_or(0.0), r.no_fail);
   for (const geom::Box<2>& box : options.fracture.no_fail)
     text += fmt::format("no-fail zone = {} {} {} {}\n", box.lower[0], box.lower[1], box.upper[0], box.upper[1]);
   for (std::size_t c = 0; c < options.cracks.lines.size(); ++c) {

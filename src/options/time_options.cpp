@@ -220,20 +220,51 @@ TimeOptions TimeOptions::read()
   return t;
 }
 
+namespace {
+field::History history_of(const std::string& option, const std::string& text)
+{
+  constexpr double parts = 256.0; // of the run
+  const auto seconds = [](const char* name) {
+    const GivenOption* given = given_option(name);
+    return given ? number_of(name, given->value, "s").value_or(0.0) : 0.0;
+  };
+  const double last = seconds("-ts_max_time"), dt = seconds("-ts_dt");
+  const double span = last > 0.0 ? last / parts : dt > 0.0 ? 16.0 * dt : 1e-3;
+  const auto refuse = [&](const std::string& why) {
+    throw UserError(fmt::format("{} is \"{}\": {}", option, shown(text), why));
+  };
+  if (text.empty()) refuse("must be a formula of the time t in s");
+  field::History history;
+  try {
+    history = field::History::expression(text, span);
+  } catch (const UserError& wrong) {
+    refuse(wrong.what());
+  }
+  for (const double time : {0.0, last})
+    if (!std::isfinite(history.value(time))) refuse(fmt::format("it is no number at t = {:g} s", time));
+  return history;
+}
+} // namespace
+
 std::optional<field::History> read_history(Options& o, const std::string& stem)
 {
-  enum { constant, step, ramp, gaussian, table };
-  static constexpr const char* shapes[] = {"constant", "step", "ramp", "gaussian", "table"};
+  enum { constant, step, ramp, gaussian, table, expression };
+  static constexpr const char* shapes[] = {"constant", "step", "ramp", "gaussian", "table", "expression"};
   const std::string name = stem + "_history", at = name + "_time", over = name + "_width", from = name + "_file",
-                    within = name + "_points";
-  const int shape =
-      o.choice(name, o.given(within) ? table : constant, shapes,
-               "factor in time: 1; 0 then 1; rising; exp(-((t - time)/width)^2); straight between points");
+                    within = name + "_points", formula = name + "_expression";
+  const int shape = o.choice(
+      name,
+      o.given(within)    ? table
+      : o.given(formula) ? expression
+                         : constant,
+      shapes, "factor in time: 1; 0 then 1; rising; exp(-((t - time)/width)^2); straight between points; a formula");
   const double time = o.real(at, 0.0, "s", "when it steps, begins to rise, or peaks");
   const double width = o.real(over, 0.0, "s", "how long it rises, or the pulse's width", Range::at_least(0.0));
   const std::string file = o.text(from, "", "table: CSV of time [s] and factor, straight in between");
   const std::vector<std::string> items =
       o.texts(within, {}, "table: the points here, time:factor,time:factor,..., e.g. 0:0,1ms:1,2ms:0");
+  const std::string text =
+      o.text(formula, "", "expression: the factor as a formula of t in s, e.g. \"sin(2*pi*t/1e-3)*min(t/1e-6, 1)\"");
   const auto refuse = [&](bool needed, const std::string& option) {
     if (o.given(option) && !needed)
       throw UserError(fmt::format("{} has no meaning for {} {}", option, name, shapes[shape]));
@@ -242,13 +273,14 @@ std::optional<field::History> read_history(Options& o, const std::string& stem)
   refuse(shape == ramp || shape == gaussian, over);
   refuse(shape == table, from);
   refuse(shape == table, within);
+  refuse(shape == expression, formula);
   if ((shape == ramp || shape == gaussian) && width <= 0.0)
     throw UserError(fmt::format("{} {} needs a duration: give {} in s", name, shapes[shape], over));
   if (shape == table && file.empty() && items.empty())
     throw UserError(fmt::format("{} table needs points: give {} or {}", name, from, within));
   if (!file.empty() && !items.empty())
     throw UserError(fmt::format("{} and {} say the same: give one of them", from, within));
-  if (!o.given(name) && items.empty()) return std::nullopt;
+  if (!o.given(name) && items.empty() && !o.given(formula)) return std::nullopt;
   switch (shape) {
   case step:
     return field::History::step(time);
@@ -258,6 +290,8 @@ std::optional<field::History> read_history(Options& o, const std::string& stem)
     return field::History::gaussian(time, width);
   case table:
     return items.empty() ? read_table(from, file) : field::History::table(points_of(within, items));
+  case expression:
+    return history_of(formula, text);
   default:
     return field::History();
   }

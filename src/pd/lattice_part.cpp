@@ -85,7 +85,8 @@ template <int Dim> double LatticePart<Dim>::density(Index k) const
 {
   if (!regions_) return stencil_.density;
   const std::ptrdiff_t i = at(where_.active.site(sites_[static_cast<std::size_t>(k)]));
-  return regions_->elastic(region_[static_cast<std::size_t>(i)]).density;
+  const law::Elastic& own = regions_->elastic(region_[static_cast<std::size_t>(i)]);
+  return own.density * (Dim == 2 ? own.thickness / stencil_.thickness : 1.0);
 }
 
 /// A rule with what only this part knows.

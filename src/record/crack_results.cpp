@@ -130,7 +130,8 @@ namespace {
 void require_one_tip(const Solved& s)
 {
   const double outer = s.options.post.j_domain->back();
-  for (const Centre& centre : centres(s, crack_state(s.d.cracks, s.d.body)))
+  for (const Centre& centre : centres(s, crack_state(s.d.cracks, s.d.body))) {
+    (void)law_around(s, centre.tip.at, outer, "-post_j_domain");
     for (const crack::Tip& tip : s.d.cracks.tips()) {
       const double far = (tip.at - centre.tip.at).cwiseAbs().maxCoeff();
       if (far > 1e-9 * outer && far < outer && centre.number)
@@ -139,6 +140,7 @@ void require_one_tip(const Solved& s)
                         "and K would be of both: take an outer half-width of {:.6g} m at most",
                         outer, s.options.frame.text(centre.tip.at), s.options.frame.text(tip.at), far));
     }
+  }
 }
 } // namespace
 
@@ -195,7 +197,9 @@ std::vector<double> energy_release(mesh::Mesh& mesh, const options::SceneOptions
       (tip.last ? line.back() : line.front()) += sign * step * tip.direction;
       change += sign * potential(mesh, moved, plan, particles, assembled);
     }
-    rates.push_back(-change / (2.0 * step * options.elastic.thickness));
+    const law::Elastic& there =
+        options.regions ? options.regions->elastic(options.regions->at(tip.at)) : options.elastic;
+    rates.push_back(-change / (2.0 * step * there.thickness));
   }
   mesh.uncover();
   return rates;
@@ -238,13 +242,13 @@ void add_crack_results(const Solved& s, const CrackState& state, std::span<const
       const nlohmann::json& contours = on_contours["j_by_contour"];
       const double middle = contours[contours.size() / 2][1];
       results["j_integral"] = middle;
-      results["stress_intensity"] = law::stress_intensity(middle, s.options.elastic);
+      results["stress_intensity"] = law::stress_intensity(middle, law_at(s, centre.tip.at));
     }
     add(centre, on_contours);
     if (!s.options.post.j_domain) continue;
     const nlohmann::json on_ring = domain_results(s, centre);
     if (on_ring.contains("j_domain") && !results.contains("j_domain") && !results.contains("j_integral"))
-      results["stress_intensity"] = law::stress_intensity(on_ring["j_domain"], s.options.elastic);
+      results["stress_intensity"] = law::stress_intensity(on_ring["j_domain"], law_at(s, centre.tip.at));
     add(centre, on_ring);
   }
   if (!tips.empty()) results["tips"] = tips;

@@ -49,6 +49,7 @@ void Recorder::open_history()
       {"step", "-"}, {"load", "-"}, {"energy_elements", "J"}, {"energy_bonds", "J"}, {"energy_interface", "J"},
       {"work", "J"}};
   if (d_->has_points()) columns.insert(columns.end() - 1, {"energy_points", "J"});
+  if (!d_->supports.empty()) columns.insert(columns.end() - 1, {"energy_supports", "J"});
   if (options_.thermal.duration > 0.0) columns.insert(columns.begin() + 2, {"time", "s"});
   if (files_.grows()) {
     columns.insert(columns.end(), {{"energy_fracture", "J"}, {"passes", "-"}, {"bonds_broken", "-"}});
@@ -69,7 +70,7 @@ void Recorder::take_stock(const solve::Step& step, Vec u, const solve::StaticSol
   int rank = 0;
   MPI_Comm_rank(files_.comm(), &rank);
   if (files_.grows() && rank == 0) mine.dissipated = d_->fracture->dissipated();
-  reactions_.now = files_.reactions(force);
+  reactions_.now = files_.reactions(force, local);
   reactions_.peak.resize(reactions_.now.size(), 0.0);
   reactions_.peak_load.resize(reactions_.now.size(), 0.0);
   for (std::size_t k = 0; k < reactions_.now.size(); ++k)
@@ -87,6 +88,7 @@ void Recorder::write_history(const solve::Step& step, Vec u)
   std::vector<double> row{static_cast<double>(step.number), step.load, balance.energies.elements,
                           balance.energies.bonds, balance.energies.interface};
   if (d_->has_points()) row.push_back(balance.energies.points);
+  if (!d_->supports.empty()) row.push_back(balance.energies.supports);
   row.push_back(balance.work);
   if (options_.thermal.duration > 0.0) row.insert(row.begin() + 2, options_.thermal.time(step.load));
   if (files_.grows()) {
@@ -167,14 +169,18 @@ void Recorder::write_results(Vec u, const Prior& prior, const post::Displacement
   results["strain_energy_bonds"] = balance.energies.bonds;
   results["strain_energy_interface"] = balance.energies.interface;
   if (d_->has_points()) results["strain_energy_points"] = balance.energies.points;
+  if (!d_->supports.empty()) results["strain_energy_supports"] = balance.energies.supports;
   results["external_work"] = balance.work;
   if (files_.grows()) {
     results["fracture_energy"] = balance.energies.dissipated;
     if (!options_.thermal.active()) results["energy_balance_error"] = balance.error(); // heat is not in the books
     results["critical_stretch"] = d_->critical_stretch;
   }
-  for (std::size_t k = 0; k < d_->held_parts.size(); ++k) {
-    const std::string& name = d_->held_parts[k].name;
+  const std::vector<std::string> held = files_.held_names(), turned = files_.turned_names();
+  for (std::size_t k = 0; k < turned.size(); ++k)
+    results["reaction_moment"][turned[k]] = reactions_.now[2 * held.size() + k];
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    const std::string& name = held[k];
     const double t = options_.elastic.thickness;
     results["reaction"][name] = {reactions_.now[2 * k], reactions_.now[2 * k + 1]};
     if (!files_.grows()) continue;
@@ -252,6 +258,7 @@ RecorderNotes Recorder::notes() const
                                    {"energy_bonds", balance.energies.bonds},
                                    {"energy_interface", balance.energies.interface},
                                    {"energy_points", balance.energies.points},
+                                   {"energy_supports", balance.energies.supports},
                                    {"dissipated", balance.energies.dissipated}});
   for (std::size_t k = 0; k < reactions_.now.size(); ++k) {
     notes.numbers[fmt::format("reaction_{}", k)] = reactions_.now[k];
@@ -289,6 +296,8 @@ void Recorder::take_notes(const RecorderNotes& notes, double load, std::vector<d
   balance.energies.bonds = n.at("energy_bonds");
   balance.energies.interface = n.at("energy_interface");
   if (const auto points = n.find("energy_points"); points != n.end()) balance.energies.points = points->second;
+  if (const auto supports = n.find("energy_supports"); supports != n.end())
+    balance.energies.supports = supports->second;
   balance.energies.dissipated = n.at("dissipated");
   ledger_ = std::make_unique<post::EnergyLedger>(
       d_->system, post::LedgerState{std::move(u), post::external_force(d_->system, load, internal_force), balance});
@@ -300,7 +309,7 @@ void Recorder::take_notes(const RecorderNotes& notes, double load, std::vector<d
     return values;
   };
   reactions_ = {series("reaction"), series("peak"), series("peak_load")};
-  const std::size_t components = 2 * d_->held_parts.size();
+  const std::size_t components = 2 * files_.held_names().size() + files_.turned_names().size();
   for (std::vector<double>* values : {&reactions_.now, &reactions_.peak, &reactions_.peak_load})
     values->resize(components, 0.0);
 }

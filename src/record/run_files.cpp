@@ -161,24 +161,55 @@ void RunFiles::started()
   summary.memory_mb["before_solve"] = io::resident_memory_mb();
 }
 
+std::vector<std::string> RunFiles::held_names() const
+{
+  std::vector<std::string> names;
+  for (const scene::HeldPart& part : scene.model->held_parts) names.push_back(part.name);
+  for (const scene::NamedSupport& support : scene.model->supports) names.push_back(support.name);
+  return names;
+}
+
+std::vector<std::string> RunFiles::turned_names() const
+{
+  std::vector<std::string> names;
+  for (const scene::HeldPart& part : scene.model->held_parts)
+    if (part.centre) names.push_back(part.name);
+  return names;
+}
+
 void RunFiles::add_reaction_columns(std::vector<io::Column>& columns) const
 {
   static constexpr const char* directions[] = {"x", "y", "z"};
-  for (const scene::HeldPart& part : scene.model->held_parts)
+  for (const std::string& name : held_names())
     for (int a = 0; a < scene.model->system.rows.dim; ++a)
-      columns.push_back({fmt::format("reaction_{}_{}", part.name, directions[a]), "N"});
+      columns.push_back({fmt::format("reaction_{}_{}", name, directions[a]), "N"});
+  for (const std::string& name : turned_names()) columns.push_back({fmt::format("moment_{}", name), "N m"});
 }
 
-std::vector<double> RunFiles::reactions(std::span<const double> force) const
+std::vector<double> RunFiles::reactions(std::span<const double> force, std::span<const double> local) const
 {
   const scene::Model& model = *scene.model;
   const field::Rows& rows = model.system.rows;
   const auto dim = static_cast<std::size_t>(rows.dim);
-  std::vector<double> sums(dim * model.held_parts.size(), 0.0);
-  for (std::size_t p = 0; p < model.held_parts.size(); ++p)
-    for (const Index k : model.held_parts[p].components)
-      if (k / rows.dim < rows.nodes || k / rows.dim >= rows.first_particle()) // forces of sets are none
-        sums[dim * p + static_cast<std::size_t>(k % rows.dim)] += force[static_cast<std::size_t>(k)];
+  std::vector<double> sums(dim * model.held_parts.size(), 0.0), moments;
+  for (std::size_t p = 0; p < model.held_parts.size(); ++p) {
+    const std::optional<Vector<2>>& centre = model.held_parts[p].centre;
+    double moment = 0.0;
+    for (const Index k : model.held_parts[p].components) {
+      if (k / rows.dim >= rows.nodes && k / rows.dim < rows.first_particle()) continue; // forces of sets are none
+      const auto c = static_cast<std::size_t>(k), axis = c % dim, other = c - axis + 1 - axis;
+      sums[dim * p + axis] += force[c];
+      if (!centre || axis > 1) continue;
+      const double arm = model.system.coordinates[other] + local[other] - (*centre)[axis == 0 ? 1 : 0];
+      moment += (axis == 0 ? -arm : arm) * force[c];
+    }
+    if (centre) moments.push_back(moment);
+  }
+  for (const scene::NamedSupport& support : model.supports) {
+    const Vector<3> push = support.term->push(local);
+    sums.insert(sums.end(), push.data(), push.data() + dim);
+  }
+  sums.insert(sums.end(), moments.begin(), moments.end());
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, comm_);
   return sums;
 }

@@ -81,6 +81,12 @@ void SceneTables::note_supports(std::span<const PetscInt> numbers)
     const Index place[2] = {numbers[static_cast<std::size_t>(component / dim)], component % dim};
     sums[1] += Fingerprint().add(std::span<const Index>(place)).value();
   }
+  const auto of_row = [&](Index row, std::span<const double> numbers_there) {
+    const Index place[1] = {numbers[static_cast<std::size_t>(row)]};
+    sums[1] += Fingerprint().add(std::span<const Index>(place)).add(numbers_there).value();
+  };
+  for (const field::Roller& roller : model_.system.rollers) of_row(roller.row, {roller.along.data(), 3});
+  sums[0] += model_.system.rollers.size();
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_UINT64_T, MPI_SUM, model_.system.rows.comm);
   supports_ = fmt::format("{} held components, {:016x}", sums[0], sums[1]);
 }

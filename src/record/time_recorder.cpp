@@ -45,6 +45,7 @@ void TimeRecorder::built(const scene::Standing& scene)
                                    {"energy_contact", "J"},
                                    {"energy_friction", "J"},
                                    {"energy_viscous", "J"}});
+  if (!d_->supports.empty()) columns.push_back({"energy_supports", "J"});
   columns.insert(columns.end(), {{"energy_scheme", "J"}, {"work", "J"}, {"energy_residual", "J"}});
   for (io::Column& column : d_->more_columns()) columns.push_back(std::move(column));
   if (d_->breaker) columns.insert(columns.end(), {{"energy_fracture", "J"}, {"bonds_broken", "-"}});
@@ -123,9 +124,10 @@ MotionEnergies TimeRecorder::energies(const solve::TimeDriver& driver) const
                    e.stored.interface,     broken.energy,
                    e.stored.points,        e.stored.contact,
                    e.stored.friction,      driver.moving().damped().energy,
-                   driver.moving().work(), d_->kinetic_of_points(driver.v())};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 10, MPI_DOUBLE, MPI_SUM, files_.comm());
-  e.stored = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7]};
+                   driver.moving().work(), d_->kinetic_of_points(driver.v()),
+                   e.stored.supports};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 11, MPI_DOUBLE, MPI_SUM, files_.comm());
+  e.stored = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6], sums[7], sums[10]};
   e.work = sums[8];
   e.kinetic_particles = kinetic.particles;
   e.kinetic_points = sums[9];
@@ -178,6 +180,7 @@ void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEn
   if (d_->has_points())
     row.insert(row.end(), {d_->has_others() ? e.kinetic_points : e.kinetic(), e.stored.points, e.stored.contact,
                            e.stored.friction, e.stored.viscous});
+  if (!d_->supports.empty()) row.push_back(e.stored.supports);
   row.insert(row.end(), {e.scheme, e.work, e.residual()});
   d_->add_more(driver.local(), driver.v(), row);
   if (d_->breaker) row.insert(row.end(), {e.stored.dissipated, static_cast<double>(broken_.bonds)});
@@ -185,7 +188,7 @@ void TimeRecorder::write_history(const solve::TimeDriver& driver, const MotionEn
   files_.add_layout_row(row, converted_);
   std::vector<double> held;
   driver.moving().held_force(held);
-  const std::vector<double> reactions = files_.reactions(held);
+  const std::vector<double> reactions = files_.reactions(held, driver.local());
   row.insert(row.end(), reactions.begin(), reactions.end());
   files_.history->row(row);
 }
@@ -242,6 +245,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
   results["strain_energy_elements"] = e.stored.elements;
   results["strain_energy_bonds"] = e.stored.bonds;
   results["strain_energy_interface"] = e.stored.interface;
+  if (!d_->supports.empty()) results["strain_energy_supports"] = e.stored.supports;
   results["external_work"] = e.work;
   results["initial_energy"] = e.initial;
   files_.add_layout_results(e.converted, e.initial + e.work);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <memory>
 #include <ranges>
 
@@ -29,12 +30,12 @@ void parts_of(const Solved& s, const xfem::CutElement& cut, std::vector<post::Pa
   }
 }
 
-/// The elements of a scene, as integrals over a ring of them see them.
+/// The elements of a scene, as integrals over a ring of them around a tip see them.
 struct Elements {
-  explicit Elements(const Solved& s)
-      : body{s.mesh, s.options.elastic, s.options.element_kinematics()}, ring{(*s.options.post.j_domain)[0],
-                                                                              (*s.options.post.j_domain)[1],
-                                                                              s.options.frame},
+  Elements(const Solved& s, const crack::Tip& tip)
+      : body{s.mesh, law_around(s, tip.at, s.options.post.j_domain->back(), "-post_j_domain"),
+             s.options.element_kinematics()},
+        ring{(*s.options.post.j_domain)[0], (*s.options.post.j_domain)[1], s.options.frame},
         u(s.d.node_field->displacement(s.u)), parts([&s](Index cell, std::vector<post::PartOfCell>& into) {
           for (const xfem::CutElement& cut : s.d.sets->all_of(cell)) parts_of(s, cut, into);
         })
@@ -55,9 +56,48 @@ std::vector<post::ContourJ> contours_of(const Solved& s, std::size_t patch, cons
   const post::PatchState state{
       s.mesh.comm(),  part, s.options.bond_kinematics(), u, density, s.d.carried ? part.stencil().reach : 1,
       s.options.frame};
-  return post::nonlocal_j(state, tip.direction, contours);
+  std::vector<post::ContourJ> found = post::nonlocal_j(state, tip.direction, contours);
+  const double side = *std::ranges::max_element(s.options.post.j_contours);
+  const double thickness = law_around(s, tip.at, 0.5 * side, "-post_j_contours").thickness;
+  for (post::ContourJ& contour : found) contour.j *= part.stencil().thickness / thickness;
+  return found;
 }
 } // namespace
+
+const law::Elastic& law_at(const Solved& s, const Vector<2>& x)
+{
+  return s.options.regions ? s.options.regions->elastic(s.options.regions->at(x)) : s.options.elastic;
+}
+
+const law::Elastic& law_around(const Solved& s, const Vector<2>& tip, double half, const char* option)
+{
+  const law::Regions* regions = s.options.regions.get();
+  if (!regions || regions->one_elastic()) return s.options.elastic;
+  int ends[2] = {-regions->at(tip), regions->at(tip)}; // least, with a sign, and largest number
+  const auto look = [&](const Vector<2>& x) {
+    const int number = regions->at(x);
+    ends[0] = std::max(ends[0], -number);
+    ends[1] = std::max(ends[1], number);
+  };
+  for (Index c = 0; c < s.mesh.owned_cells(); ++c) {
+    const auto corners = s.mesh.corners(c);
+    const bool in = std::ranges::any_of(
+        corners, [&](const Vector<2>& x) { return (x - tip).lpNorm<Eigen::Infinity>() < half * (1.0 - 1e-9); });
+    if (in && s.mesh.use(c) != mesh::Use::covered) look(s.mesh.centroid(c));
+  }
+  for (const pd::Particle& p : s.d.particles)
+    if ((p.x - tip).lpNorm<Eigen::Infinity>() < half) look(p.x);
+  MPI_Allreduce(MPI_IN_PLACE, ends, 2, MPI_INT, MPI_MAX, s.mesh.comm());
+  const auto name = [&](int number) {
+    return number ? regions->name(static_cast<std::size_t>(number)) : std::string(options::kRest);
+  };
+  if (-ends[0] != ends[1] && !law::same(regions->elastic(static_cast<std::size_t>(-ends[0])),
+                                        regions->elastic(static_cast<std::size_t>(ends[1]))))
+    throw UserError(fmt::format("{}: within {:g} m of the tip at {} lie {} and {}, and J is that of the tip only where "
+                                "all is of one material: take a smaller square, or move the tip",
+                                option, half, s.options.frame.text(tip), name(-ends[0]), name(ends[1])));
+  return law_at(s, tip);
+}
 
 std::optional<std::size_t> patch_at(const scene::PatchPlan& plan, const Vector<2>& x)
 {
@@ -82,9 +122,9 @@ std::vector<post::TipModes> contour_modes(const Solved& s, const crack::Tip& tip
   for (const post::ContourJ& contour : contours) most = std::max(most, std::abs(contour.j));
   if (most == 0.0) return std::vector<post::TipModes>(contours.size(), post::TipModes{}); // nothing moves
   const std::size_t owned = 2 * static_cast<std::size_t>(s.d.system.rows.owned());
-  return post::contour_modes(*s.d.bonds->parts()[*patch], owned, s.options.elastic, tip,
-                             std::sqrt(most * law::crack_modulus(s.options.elastic)), side,
-                             [&](std::span<const double> added) {
+  const law::Elastic& there = law_at(s, tip.at);
+  return post::contour_modes(*s.d.bonds->parts()[*patch], owned, there, tip,
+                             std::sqrt(most * law::crack_modulus(there)), side, [&](std::span<const double> added) {
                                std::vector<double> u(s.u.begin(), s.u.end());
                                for (std::size_t k = 0; k < added.size(); ++k) u[k] += added[k];
                                s.d.system.halo->refresh(u);
@@ -94,13 +134,13 @@ std::vector<post::TipModes> contour_modes(const Solved& s, const crack::Tip& tip
 
 double domain_j(const Solved& s, const crack::Tip& tip)
 {
-  const Elements e(s);
+  const Elements e(s, tip);
   return post::domain_j(e.body, tip, e.ring, e.u, e.parts);
 }
 
 post::TipModes domain_modes(const Solved& s, const crack::Tip& tip, const post::SideOfCrack& side)
 {
-  const Elements e(s);
+  const Elements e(s, tip);
   return post::domain_modes(e.body, tip, e.ring, e.u, side, e.parts);
 }
 

@@ -2,6 +2,7 @@
 
 #include "pdx/base/gather.hpp"
 #include "pdx/fem/loads.hpp"
+#include "pdx/scene/prescriptions.hpp"
 #include "pdx/xfem/halves.hpp"
 #include "pdx/xfem/loads.hpp"
 
@@ -34,7 +35,9 @@ public:
                  if (c.traction) pull(c);
                  if (c.body) weigh(c);
                  if (c.force) push(c);
-               });
+               },
+               [&](const options::BoundaryCondition& c) { return shares_of(c); },
+               [&](Index row) { return half_size(row); });
     note_side_held();
   }
 
@@ -53,8 +56,7 @@ private:
       const std::set<Index> rows = rows_of(c, Acts::held);
       for (std::size_t k = 0; k < d_.nodes.size(); ++k)
         for (std::size_t a = 0; a < 2; ++a)
-          if (outer[static_cast<std::size_t>(d_.nodes[k])] && (c.displacement[a] || c.velocity[a]) &&
-              rows.contains(static_cast<Index>(k)))
+          if (outer[static_cast<std::size_t>(d_.nodes[k])] && c.holds(a) && rows.contains(static_cast<Index>(k)))
             d_.side_held[2 * k + a] = 1;
     }
   }
@@ -193,6 +195,26 @@ private:
         rows.insert(set.row - d_.system.rows.first);
   }
 
+  /// Of elements by their middle, of particles by their place [m].
+  double thickness_at(const Vector<2>& x) const
+  {
+    return options_.regions ? options_.regions->elastic(options_.regions->at(x)).thickness : options_.elastic.thickness;
+  }
+  double thickness(Index cell) const { return thickness_at(mesh_.centroid(cell)); }
+  const Vector<2>& place_of(Index row) const ///< of a particle
+  {
+    return d_.particles[static_cast<std::size_t>(row - d_.system.rows.first_particle())].x;
+  }
+
+  /// How far a particle goes beyond its place; nodes are where the body ends, and sets are nowhere [m].
+  double half_size(Index row) const
+  {
+    if (row < d_.system.rows.nodes) return 0.0;
+    if (row < d_.system.rows.first_particle()) return -1.0;
+    const pd::Particle& p = d_.particles[static_cast<std::size_t>(row - d_.system.rows.first_particle())];
+    return 0.5 * plan_.shapes[static_cast<std::size_t>(p.patch)].lattice.dx;
+  }
+
   bool in_layer(const options::BoundaryCondition& c, const Vector<2>& x) const
   {
     if (!inside(c, x)) return false;
@@ -201,19 +223,58 @@ private:
     return c.on == "bottom" ? x[1] < plan_.body.lower[1] : x[1] > plan_.body.upper[1];
   }
 
+  /// Half an edge to each of its nodes, or its particles; edges of nodes that a crack enriches have no springs.
+  std::vector<SideShare> shares_of(const options::BoundaryCondition& c) const
+  {
+    const auto edges = edges_of(c);
+    const auto normal = [](const Vector<2>& a, const Vector<2>& b) -> Vector<3> {
+      const Vector<2> along = (b - a).normalized();
+      return {along[1], -along[0], 0.0};
+    };
+    std::vector<SideShare> shares;
+    bool any = false, cracked = false;
+    for (const mesh::BoundaryEdge& e : edges) {
+      if (mesh_.use(e.cell) == mesh::Use::covered) continue;
+      const Vector<2>&a = mesh_.point(e.vertices[0]), &b = mesh_.point(e.vertices[1]);
+      any = true;
+      for (const Index v : e.vertices) {
+        const PetscInt row = d_.node_rows[static_cast<std::size_t>(v)];
+        cracked = cracked || (d_.sets && !d_.sets->of(v).empty());
+        if (d_.system.rows.owns(row))
+          shares.push_back({row - d_.system.rows.first, 0.5 * (b - a).norm() * thickness(e.cell), normal(a, b)});
+      }
+    }
+    for (const CoveredEdge& e : covered_edges(edges)) {
+      const Vector<2> a(e.a[0], e.a[1]), b(e.b[0], e.b[1]);
+      const double dx = plan_.shapes[static_cast<std::size_t>(e.patch)].lattice.dx;
+      any = true;
+      for (const Index row : particles_under(e, c.rows))
+        shares.push_back({row, dx * thickness_at(place_of(row)) / c.rows, normal(a, b)});
+    }
+    if (any_rank(mesh_.comm(), cracked))
+      throw UserError(fmt::format("-bc_{}_spring: a crack cuts elements at that side, whose halves springs do not tell "
+                                  "apart: leave them out by _box",
+                                  c.name));
+    if (!any_rank(mesh_.comm(), any))
+      throw UserError(
+          fmt::format("-bc_{}_{}: no edge lies there for the springs to act on", c.name, c.box ? "box" : "on"));
+    return shares;
+  }
+
   void pull(const options::BoundaryCondition& c)
   {
     const auto edges = edges_of(c);
     const Vector<2> traction = c.traction->head<2>();
-    fem::add_traction(mesh_, edges, traction, options_.elastic.thickness, target());
-    if (d_.sets) xfem::add_traction(mesh_, *d_.sets, edges, traction, options_.elastic.thickness, target());
+    fem::add_traction(mesh_, edges, traction, fem::Thickness([this](Index cell) { return thickness(cell); }), target());
+    if (d_.sets)
+      xfem::add_traction(mesh_, *d_.sets, edges, traction,
+                         fem::Thickness([this](Index cell) { return thickness(cell); }), target());
     double length = 0.0;
     for (const mesh::BoundaryEdge& e : edges)
       if (mesh_.use(e.cell) != mesh::Use::covered) length += 1.0;
     for (const CoveredEdge& e : covered_edges(edges)) {
       const double dx = plan_.shapes[static_cast<std::size_t>(e.patch)].lattice.dx;
-      const double share = dx * options_.elastic.thickness / c.rows;
-      for (const Index row : particles_under(e, c.rows)) add(row, share * traction);
+      for (const Index row : particles_under(e, c.rows)) add(row, dx * thickness_at(place_of(row)) / c.rows * traction);
       length += 1.0;
     }
     if (!any_rank(mesh_.comm(), length > 0.0))
@@ -229,15 +290,17 @@ private:
       return inside(c, x) ? Vector<2>(c.body->head<2>()) : Vector<2>(0.0, 0.0);
     };
     if (c.of.empty() || c.of == options::kMeshBody) {
-      fem::add_body_force(mesh_, density, options_.elastic.thickness, target());
-      if (d_.sets) xfem::add_body_force(mesh_, *d_.sets, density, options_.elastic.thickness, target());
+      fem::add_body_force(mesh_, density, fem::Thickness([this](Index cell) { return thickness(cell); }), target());
+      if (d_.sets)
+        xfem::add_body_force(mesh_, *d_.sets, density, fem::Thickness([this](Index cell) { return thickness(cell); }),
+                             target());
     }
     if (d_.point_plan) weigh_points(c, reached);
     for (std::size_t k = 0; k < d_.particles.size(); ++k) {
       if (!is_of(c, d_.particles[k])) continue;
       const double dx = plan_.shapes[static_cast<std::size_t>(d_.particles[k].patch)].lattice.dx;
       add(d_.system.rows.first_particle() + static_cast<Index>(k),
-          dx * dx * options_.elastic.thickness * density(d_.particles[k].x));
+          dx * dx * thickness_at(d_.particles[k].x) * density(d_.particles[k].x));
     }
     if (!any_rank(mesh_.comm(), reached))
       throw UserError(fmt::format("-bc_{}_box: nothing lies there for the body force to act on", c.name));

@@ -123,7 +123,8 @@ void BodyBooks<Dim>::add_results(std::span<const double> local, std::span<const 
     thrown += start_.momentum[b].norm();
     change += now.momentum[b] - start_.momentum[b];
   }
-  const bool free = system_.prescribed.components.empty() && system_.drives.empty();
+  const bool free = system_.prescribed.components.empty() && system_.drives.empty() && system_.rollers.empty() &&
+                    system_.springs.empty();
   if (free && thrown > 0.0) results["momentum_error_ratio"] = change.norm() / thrown;
   if (start_.momentum.size() != 2) return;
   const auto velocity_of = [](const Sums& sums, std::size_t b) -> Vector<Dim> {

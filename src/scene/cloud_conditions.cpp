@@ -1,5 +1,6 @@
 #include "pdx/base/gather.hpp"
 #include "pdx/scene/cloud_body.hpp"
+#include "pdx/scene/prescriptions.hpp"
 
 #include <fmt/format.h>
 
@@ -15,10 +16,18 @@ public:
   void apply()
   {
     const auto rows = [&](const options::BoundaryCondition& c, Acts acts) { return rows_of(c, word_of(acts)); };
-    Prescriptions(options_, body_).enter(rows, [&](const options::BoundaryCondition& c, std::span<double> force) {
-      if (c.body) add(rows_of(c, "body force"), *c.body, force);
-      if (c.force) add(rows_of(c, "force"), *c.force / chosen_volume(c), force);
-    });
+    Prescriptions(options_, body_)
+        .enter(
+            rows,
+            [&](const options::BoundaryCondition& c, std::span<double> force) {
+              if (c.body) add(rows_of(c, "body force"), *c.body, force);
+              if (c.force) add(rows_of(c, "force"), *c.force / chosen_volume(c), force);
+            },
+            [](const options::BoundaryCondition&) { return std::vector<SideShare>(); },
+            [&](Index row) {
+              return 0.5 * pd::particle_size<Dim>(bonds_.volumes()[static_cast<std::size_t>(row)],
+                                                  options_.elastic.thickness);
+            });
   }
 
 private:

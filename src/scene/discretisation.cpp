@@ -241,7 +241,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   field::System& system = d.system;
   system.scale = options.elastic.young * options.elastic.thickness;
   for (std::size_t k = 1; options.regions && k < options.regions->count(); ++k)
-    system.scale = std::max(system.scale, options.regions->elastic(k).young * options.elastic.thickness);
+    system.scale = std::max(system.scale, options.regions->elastic(k).young * options.regions->elastic(k).thickness);
   add_elements(mesh, options, areas, d);
   if (points) add_points(mesh, options, plan, *points, d);
   if (!plan.shapes.empty() || options.converts()) add_peridynamics(mesh, options, plan, d, assembled);

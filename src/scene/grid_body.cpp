@@ -189,7 +189,7 @@ template <int Dim> void GridBody<Dim>::add_energies(std::span<const double>, pos
 template <int Dim> void GridBody<Dim>::add_columns(std::vector<io::Column>& columns) const
 {
   PointBody<Dim>::add_columns(columns);
-  for (const std::string& name : holds) columns.push_back({name, "N"});
+  for (const HeldColumn& held : holds) columns.push_back({held.name, "N"});
 }
 
 template <int Dim>
@@ -197,10 +197,10 @@ void GridBody<Dim>::add_row(std::span<const double> local, std::span<const doubl
 {
   PointBody<Dim>::add_row(local, v, row);
   std::vector<double> forces(motion->hold_force().begin(), motion->hold_force().end());
-  forces.resize(holds.size(), 0.0);
+  forces.resize(held_places, 0.0);
   MPI_Allreduce(MPI_IN_PLACE, forces.data(), static_cast<int>(forces.size()), MPI_DOUBLE, MPI_SUM,
                 this->model.system.rows.comm);
-  row.insert(row.end(), forces.begin(), forces.end());
+  for (const HeldColumn& held : holds) row.push_back(held.part * forces[held.hold]);
 }
 
 template <int Dim>

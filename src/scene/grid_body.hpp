@@ -26,8 +26,15 @@ template <int Dim> struct GridBody final : PointBody<Dim> {
   double limit() const { return limit_; } ///< of a step [s]
 
   std::unique_ptr<mpm::GridMotion<Dim>> motion;
-  std::vector<Index> first;       ///< owned row of the first point of each body
-  std::vector<std::string> holds; ///< names of what is held, one for each hold of the motion
+  std::vector<Index> first; ///< owned row of the first point of each body
+  /// A column of what is held: a hold of the motion, and what part of its force lies along the column's axis.
+  struct HeldColumn {
+    std::string name;
+    std::size_t hold = 0;
+    double part = 1.0;
+  };
+  std::vector<HeldColumn> holds;
+  std::size_t held_places = 0; ///< holds of the motion
   std::vector<GridPush> pushes;
   std::vector<mpm::BodyMaterial> materials;
   Vector<Dim> origin = Vector<Dim>::Zero(); ///< a node of the grid [m]

@@ -41,23 +41,44 @@ std::vector<geom::Box<Dim>> held_places(const options::BoundaryCondition& c, con
   return places;
 }
 
+/// Holds nodes in all places that a condition chooses, and books their force.
+/// @param along of the force: its parts become columns
+template <int Dim>
+void add_holds(const options::BoundaryCondition& c, mpm::GridHold<Dim> hold, const Vector<Dim>& along,
+               GridBody<Dim>& body)
+{
+  for (const geom::Box<Dim>& box : held_places(c, body)) {
+    hold.box = box;
+    body.motion->hold(hold);
+    for (int d = 0; d < Dim; ++d)
+      if (along[d] != 0.0)
+        body.holds.push_back({fmt::format("reaction_{}_{}", c.name, kAxes[d]), body.held_places, along[d]});
+    ++body.held_places;
+  }
+}
+
 template <int Dim> void hold(const options::BoundaryCondition& c, GridBody<Dim>& body)
 {
   const field::History history = c.history.value_or(field::History());
+  if (c.roller) {
+    const Vector<Dim> along = c.roller->template head<Dim>();
+    return add_holds<Dim>(c, {{}, 0, {}, along, {}, {}}, along, body);
+  }
   for (int d = 0; d < Dim; ++d) {
     const auto axis = static_cast<std::size_t>(d);
-    if (!c.displacement[axis] && !c.velocity[axis]) continue;
+    if (!c.turn && !c.displacement[axis] && !c.velocity[axis]) continue;
     const bool moves = c.velocity[axis].has_value();
-    const double value = moves ? *c.velocity[axis] : *c.displacement[axis];
+    const double value = c.turn ? *c.turn : moves ? *c.velocity[axis] : *c.displacement[axis];
     if (!moves && value != 0.0 && history.value(0.0) != 0.0)
-      throw UserError(fmt::format("-bc_{0}_displacement is {1:g} at once: nodes of a grid that is made anew only have "
-                                  "velocities; give -bc_{0}_velocity, or a history that begins at 0",
-                                  c.name, value));
-    for (const geom::Box<Dim>& box : held_places(c, body)) {
-      body.motion->hold(
-          {box, d, [=](double time) { return value * (moves ? history.value(time) : history.rate(time)); }});
-      body.holds.push_back(fmt::format("reaction_{}_{}", c.name, kAxes[d]));
-    }
+      throw UserError(fmt::format("-bc_{0}_{2} is {1:g} at once: nodes of a grid that is made anew only have "
+                                  "velocities; give {3}a history that begins at 0",
+                                  c.name, value, c.turn ? "turn" : "displacement",
+                                  c.turn ? "" : fmt::format("-bc_{}_velocity, or ", c.name)));
+    const auto rate = [=](double time) { return value * (moves ? history.value(time) : history.rate(time)); };
+    mpm::GridHold<Dim> hold{{}, d, {}, {}, {}, {}};
+    (c.turn ? hold.spin : hold.velocity) = rate;
+    if (c.turn) hold.centre = *c.centre;
+    add_holds<Dim>(c, hold, Vector<Dim>::Unit(d), body);
   }
 }
 

@@ -47,6 +47,7 @@ post::Energies Model::energies(std::span<const double> local) const
   post::Energies mine;
   for (const auto& part : parts) part->add_energies(local, mine);
   if (touching) touching->add_energies(local, mine);
+  for (const NamedSupport& support : supports) mine.supports += support.term->energy(local);
   return mine;
 }
 
@@ -134,74 +135,4 @@ template <int Dim> double critical_stretch(const options::SceneOptions& options,
 }
 template double critical_stretch<2>(const options::SceneOptions&, const pd::Stencil<2>&);
 template double critical_stretch<3>(const options::SceneOptions&, const pd::Stencil<3>&);
-
-Prescriptions::Prescriptions(const options::SceneOptions& options, Model& model)
-    : options_(options), model_(model), dim_(model.system.rows.dim)
-{
-  model.system.load.assign(static_cast<std::size_t>(model.system.rows.owned() * dim_), 0.0);
-}
-
-bool Prescriptions::is_set(Index row) const
-{
-  return row >= model_.system.rows.nodes && row < model_.system.rows.first_particle();
-}
-
-void Prescriptions::throw_in(const options::BoundaryCondition& c, const std::set<Index>& rows)
-{
-  auto& velocity = model_.system.initial_velocity;
-  velocity.resize(static_cast<std::size_t>(model_.system.rows.owned() * dim_), 0.0);
-  for (const Index row : rows)
-    for (Index a = 0; a < dim_; ++a)
-      velocity[static_cast<std::size_t>(dim_ * row + a)] = (*c.initial_velocity)[a]; // of a set that of its half
-}
-
-void Prescriptions::hold(const options::BoundaryCondition& c, const std::set<Index>& rows)
-{
-  HeldPart part{c.name, {}};
-  const auto take_over = [&](Index component) {
-    for (HeldPart& earlier : model_.held_parts) std::erase(earlier.components, component);
-  };
-  for (const Index row : rows)
-    for (Index a = 0; a < dim_; ++a) {
-      const bool moves = c.velocity[static_cast<std::size_t>(a)].has_value();
-      if (const auto& value = (moves ? c.velocity : c.displacement)[static_cast<std::size_t>(a)]) {
-        const Index component = dim_ * row + a;
-        const bool contested = values_.contains(component);
-        values_[component] = {is_set(row) ? 0.0 : *value, static_cast<std::size_t>(&c - options_.conditions.data()),
-                              moves}; // a held crack does not open
-        if (contested) take_over(component);
-        part.components.push_back(component);
-      }
-    }
-  model_.held_parts.push_back(std::move(part));
-}
-
-void Prescriptions::load(const options::BoundaryCondition& c, std::span<const double> force)
-{
-  field::Drive drive{field::Drive::Kind::force, c.history.value_or(field::History()), {}, {}};
-  for (std::size_t k = 0; k < force.size(); ++k) {
-    model_.system.load[k] += force[k];
-    if (force[k] == 0.0) continue;
-    drive.components.push_back(static_cast<Index>(k));
-    drive.values.push_back(force[k]);
-  }
-  if (options_.time.dynamic()) model_.system.drives.push_back(std::move(drive));
-}
-
-void Prescriptions::finish()
-{
-  std::map<std::pair<std::size_t, bool>, field::Drive> drives; // by condition, displacements and velocities apart
-  for (const auto& [component, held] : values_) {
-    model_.system.prescribed.components.push_back(component);
-    model_.system.prescribed.values.push_back(held.value);
-    const options::BoundaryCondition& c = options_.conditions[held.condition];
-    field::Drive& drive = drives[{held.condition, held.moves}];
-    drive.kind = held.moves ? field::Drive::Kind::velocity : field::Drive::Kind::displacement;
-    drive.history = c.history.value_or(field::History());
-    drive.components.push_back(component);
-    drive.values.push_back(held.value);
-  }
-  for (auto& [key, drive] : drives)
-    if (options_.time.dynamic()) model_.system.drives.push_back(std::move(drive));
-}
 } // namespace pdx::scene

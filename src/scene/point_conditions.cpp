@@ -1,6 +1,7 @@
 #include "condition_sides.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/scene/point_body.hpp"
+#include "pdx/scene/prescriptions.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -19,10 +20,14 @@ public:
   void apply()
   {
     const auto rows = [&](const options::BoundaryCondition& c, Acts acts) { return rows_of(c, acts); };
-    Prescriptions(options_, body_.model).enter(rows, [&](const options::BoundaryCondition& c, std::span<double> force) {
-      if (c.traction) add_traction(c, force);
-      if (c.body) add_body_force(c, force);
-    });
+    Prescriptions(options_, body_.model)
+        .enter(
+            rows,
+            [&](const options::BoundaryCondition& c, std::span<double> force) {
+              if (c.traction) add_traction(c, force);
+              if (c.body) add_body_force(c, force);
+            },
+            [&](const options::BoundaryCondition& c) { return shares_of(c); }, [](Index) { return 0.0; });
   }
 
 private:
@@ -74,9 +79,9 @@ private:
     return rows;
   }
 
-  /// Adds a force at a place of a cell to the rows of its corners that are owned.
-  void spread(const typename PointRows<Dim>::Cell& cell, const Vector<Dim>& x, const Vector<3>& load,
-              std::span<double> force) const
+  /// visit(owned row, weight) of the corners of a cell at a place of it.
+  template <class Visit>
+  void for_each_corner(const typename PointRows<Dim>::Cell& cell, const Vector<Dim>& x, Visit&& visit) const
   {
     const mpm::Body<Dim>& of = body_at(cell.body);
     const Vector<Dim> local = (x - of.node(cell.at)) / of.cell_size();
@@ -88,9 +93,17 @@ private:
         const double at = local[static_cast<Eigen::Index>(d)];
         weight *= corner >> d & 1U ? at : 1.0 - at;
       }
-      const auto row = static_cast<std::size_t>(cell.rows[corner] - rows.first);
-      for (std::size_t d = 0; d < Dim; ++d) force[Dim * row + d] += weight * load[static_cast<Eigen::Index>(d)];
+      visit(cell.rows[corner] - rows.first, weight);
     }
+  }
+  /// Adds a force at a place of a cell to the rows of its corners that are owned.
+  void spread(const typename PointRows<Dim>::Cell& cell, const Vector<Dim>& x, const Vector<3>& load,
+              std::span<double> force) const
+  {
+    for_each_corner(cell, x, [&](Index row, double weight) {
+      for (std::size_t d = 0; d < Dim; ++d)
+        force[Dim * static_cast<std::size_t>(row) + d] += weight * load[static_cast<Eigen::Index>(d)];
+    });
   }
 
   /// Points by body and box.
@@ -110,8 +123,8 @@ private:
     if (!any_rank(body_.model.system.rows.comm, any)) refuse_nowhere(c, "body force", "point");
   }
 
-  /// Faces of sites on a side of a body, where no other site lies beyond them.
-  void add_traction(const options::BoundaryCondition& c, std::span<double> force) const
+  /// Faces of sites on a side of a body, where no other site lies beyond them: visit(cell, middle, area).
+  template <class Visit> void for_each_face(const options::BoundaryCondition& c, const char* what, Visit&& visit) const
   {
     const BoxSide on = point_side(c, Dim);
     const auto axis = static_cast<Eigen::Index>(on.axis);
@@ -125,10 +138,29 @@ private:
         face[axis] += on.high ? 0.5 * dx : -0.5 * dx;
         if (std::abs(face[axis] - side(on, cell.body)) > kOnLine * dx || !in_box(c, face, dx)) return;
         any = true;
-        spread(cell, face, volume(of) / dx * *c.traction, force);
+        visit(cell, face, volume(of) / dx);
       });
     }
-    if (!any_rank(body_.model.system.rows.comm, any)) refuse_nowhere(c, "traction", "point");
+    if (!any_rank(body_.model.system.rows.comm, any)) refuse_nowhere(c, what, "point");
+  }
+
+  void add_traction(const options::BoundaryCondition& c, std::span<double> force) const
+  {
+    for_each_face(c, "traction", [&](const typename PointRows<Dim>::Cell& cell, const Vector<Dim>& face, double area) {
+      spread(cell, face, area * *c.traction, force);
+    });
+  }
+
+  std::vector<SideShare> shares_of(const options::BoundaryCondition& c) const
+  {
+    std::vector<SideShare> shares;
+    const Vector<3> normal = Vector<3>::Unit(static_cast<Eigen::Index>(point_side(c, Dim).axis));
+    for_each_face(c, "springs", [&](const typename PointRows<Dim>::Cell& cell, const Vector<Dim>& face, double area) {
+      for_each_corner(cell, face, [&](Index row, double weight) {
+        if (weight > 0.0) shares.push_back({row, weight * area, normal});
+      });
+    });
+    return shares;
   }
 
   double volume(const mpm::Body<Dim>& of) const ///< of a point [m^3]

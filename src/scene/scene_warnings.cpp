@@ -19,7 +19,7 @@ bool moves(const std::array<std::optional<double>, 3>& components)
 bool loads(const options::BoundaryCondition& c)
 {
   return pushes(c.traction) || pushes(c.body) || pushes(c.force) || pushes(c.initial_velocity) ||
-         moves(c.displacement) || moves(c.velocity);
+         moves(c.displacement) || moves(c.velocity) || (c.turn && *c.turn != 0.0);
 }
 
 std::string time_warning(const options::SceneOptions& options)
@@ -31,6 +31,25 @@ std::string time_warning(const options::SceneOptions& options)
                          "it",
                          name);
   return {};
+}
+
+/// What says how something is done that is not done in statics.
+std::string static_warning(const options::SceneOptions& options)
+{
+  if (options.time.dynamic()) return {};
+  if (Options("post").given("-post_section"))
+    return "-post_section tells when sections break in time, and changes nothing in statics: give -analysis explicit, "
+           "or "
+           "drop it";
+  return {};
+}
+
+/// Points that rest are left out in explicit steps only.
+std::string rest_warning(const options::SceneOptions& options)
+{
+  if (options.time.analysis == options::Analysis::explicit_dynamics || !Options("mpm").given("-mpm_skip_rest"))
+    return {};
+  return "-mpm_skip_rest is of explicit steps, and changes nothing here: give -analysis explicit, or drop it";
 }
 
 std::string load_warning(const options::SceneOptions& options)
@@ -107,7 +126,8 @@ std::string table_warning(const options::SceneOptions& options)
 
 std::vector<std::string> option_warnings(const options::SceneOptions& options)
 {
-  std::vector<std::string> lines{time_warning(options), load_warning(options), table_warning(options)};
+  std::vector<std::string> lines{time_warning(options), static_warning(options), rest_warning(options),
+                                 load_warning(options), table_warning(options)};
   if (options.solid)
     for (const options::BoundaryCondition& c : options.conditions) lines.push_back(third_warning(c));
   const std::vector<std::string> of_regions = options::region_warnings(options);

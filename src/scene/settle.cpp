@@ -92,6 +92,7 @@ void move_into(const geom::Frame& frame, double finest, options::SceneOptions& o
   for (options::BoundaryCondition& c : options.conditions) {
     if (c.box) move(*c.box);
     if (c.at) move(*c.at);
+    if (c.centre) move(*c.centre);
   }
   if (options.post.j_centre) move(*options.post.j_centre);
   options.regions = options.region_set.settled(frame, options.elastic, options.fracture);

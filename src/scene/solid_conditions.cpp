@@ -1,5 +1,6 @@
 #include "condition_sides.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/scene/prescriptions.hpp"
 #include "pdx/scene/solid.hpp"
 
 #include <fmt/format.h>
@@ -22,11 +23,22 @@ public:
   void apply()
   {
     const auto rows = [&](const options::BoundaryCondition& c, Acts acts) { return rows_of(c, word_of(acts)); };
-    Prescriptions(options_, solid_).enter(rows, [&](const options::BoundaryCondition& c, std::span<double> force) {
-      const double dx = lattice_.dx;
-      if (c.traction) add(rows_of(c, "traction"), dx * dx / c.rows * *c.traction, force);
-      if (c.body) add(rows_of(c, "body force"), dx * dx * dx * *c.body, force);
-    });
+    Prescriptions(options_, solid_)
+        .enter(
+            rows,
+            [&](const options::BoundaryCondition& c, std::span<double> force) {
+              const double dx = lattice_.dx;
+              if (c.traction) add(rows_of(c, "traction"), dx * dx / c.rows * *c.traction, force);
+              if (c.body) add(rows_of(c, "body force"), dx * dx * dx * *c.body, force);
+            },
+            [&](const options::BoundaryCondition& c) {
+              std::vector<SideShare> shares;
+              const Vector<3> normal = Vector<3>::Unit(static_cast<Eigen::Index>(side_of(c).axis));
+              for (const Index row : rows_of(c, "springs"))
+                shares.push_back({row, lattice_.dx * lattice_.dx / c.rows, normal});
+              return shares;
+            },
+            [&](Index) { return 0.5 * lattice_.dx; });
   }
 
 private:

@@ -10,6 +10,12 @@ namespace pdx::scene {
 bool wants_assembled(const options::SceneOptions& options)
 {
   if (!options.pd.any() || options.points.any() || options.pd.solver == options::PdOperator::assembled) return true;
+  for (const options::BoundaryCondition& c : options.conditions) {
+    if (!c.rolls_slanted() && !c.springs) continue; // the coarse level of matrix-free solves knows held components only
+    if (options.pd.solver == options::PdOperator::automatic) return true;
+    throw UserError(fmt::format("-bc_{}_{} needs a matrix, but -pd_operator is matrix_free: use assembled, or drop it",
+                                c.name, c.springs ? "spring" : "roller"));
+  }
   char type[64] = "";
   PetscBool given = PETSC_FALSE;
   PDX_CALL(PetscOptionsGetString(nullptr, nullptr, "-pc_type", type, sizeof type, &given));

@@ -60,6 +60,9 @@ PetscErrorCode ImplicitDriver::residual(TS, PetscReal time, Vec u, Vec, Vec a, V
     driver.moving_.add_inertia(lend(a, owned), {values, owned});
     for (const Index c : system.prescribed.components)
       values[c] = system.scale * (tried[static_cast<std::size_t>(c)] - driver.moving_.u[static_cast<std::size_t>(c)]);
+    field::project(system.rollers, system.rows.dim, values);
+    for (const field::Roller& roller : system.rollers)
+      roller.add(system.rows.dim, system.scale * roller.part(system.rows.dim, tried.data()), values);
     PDX_CALL(VecRestoreArray(f, &values));
     std::ranges::copy(driver.local_, driver.moving_.u.begin());
   });
@@ -100,8 +103,22 @@ void ImplicitDriver::add_mass(double factor)
     add(set, row, t.factor * far);
   }
   for (std::size_t row = 0; row < own.size(); ++row) add(row, row, own[row]);
+  take_mass_off_rollers(own, factor);
   PDX_CALL(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
   PDX_CALL(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
+}
+
+/// What lies along a roller has no mass in the matrix.
+void ImplicitDriver::take_mass_off_rollers(std::span<const double> own, double factor)
+{
+  const field::System& system = moving_.system;
+  const PetscInt dim = system.rows.dim, base = system.rows.first * dim;
+  for (const field::Roller& roller : system.rollers)
+    for (PetscInt a = 0; a < dim; ++a)
+      for (PetscInt b = 0; b < dim; ++b)
+        PDX_CALL(MatSetValue(tangent_.matrix(), base + roller.row * dim + a, base + roller.row * dim + b,
+                             -factor * own[static_cast<std::size_t>(roller.row)] * roller.along[a] * roller.along[b],
+                             ADD_VALUES));
 }
 
 void ImplicitDriver::evaluate(double time, std::span<double> a)

@@ -46,7 +46,9 @@ void keep_angular_momentum(const MovingSystem& moving, std::span<const double> i
                            std::span<const double> u, std::vector<double>& v)
 {
   const field::Rows& rows = moving.system.rows;
-  if (rows.dim != 2 || any_rank(rows.comm, !moving.system.prescribed.components.empty())) return;
+  if (rows.dim != 2 ||
+      any_rank(rows.comm, !moving.system.prescribed.components.empty() || !moving.system.rollers.empty()))
+    return;
   std::vector<double> drift(v.size(), 0.0), turn(v.size(), 0.0); // as one velocity, as one turn
   for (std::size_t row = 0; row < is_new.size(); ++row) {
     const bool moves = static_cast<Index>(row) < rows.nodes || static_cast<Index>(row) >= rows.first_particle();

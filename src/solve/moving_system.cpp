@@ -1,12 +1,9 @@
 #include "pdx/solve/moving_system.hpp"
 
-#include "pdx/base/lanes.hpp"
 #include "pdx/solve/stable_step.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 namespace pdx::solve {
 namespace {
@@ -19,12 +16,27 @@ double rate(const field::Drive& drive, double time)
 {
   return drive.kind == field::Drive::Kind::velocity ? drive.history.value(time) : drive.history.rate(time);
 }
+/// What turns is at (cos - 1) values + sin across, or as fast as that changes.
+void overwrite_turning(const field::Drive& drive, bool speed, double time, double* values)
+{
+  const double angle = drive.turn * drive.history.value(time), half = std::sin(0.5 * angle),
+               spin = drive.turn * drive.history.rate(time);
+  const double on_along = speed ? -spin * std::sin(angle) : -2.0 * half * half,
+               on_across = speed ? spin * std::cos(angle) : std::sin(angle);
+  for (std::size_t k = 0; k < drive.components.size(); ++k)
+    values[drive.components[k]] = on_along * drive.values[k] + on_across * drive.across[k];
+}
+
 /// values[component] = value of each held component.
 void overwrite(const std::vector<field::Drive>& drives, double (*now)(const field::Drive&, double), double time,
                double* values)
 {
   for (const field::Drive& drive : drives) {
     if (drive.kind == field::Drive::Kind::force) continue;
+    if (drive.kind == field::Drive::Kind::turn) {
+      overwrite_turning(drive, now == rate, time, values);
+      continue;
+    }
     const double by = now(drive, time);
     for (std::size_t k = 0; k < drive.components.size(); ++k) values[drive.components[k]] = by * drive.values[k];
   }
@@ -34,7 +46,7 @@ void overwrite(const std::vector<field::Drive>& drives, double (*now)(const fiel
 MovingSystem::MovingSystem(field::System& given)
     : system(given), u(static_cast<std::size_t>(given.halo->size() * given.rows.dim), 0.0), v(given.initial_velocity),
       mass(lumped_mass(given)), ties_(ties_of(given)), held_(given.prescribed.components.size(), 0.0),
-      held_before_(held_), held_u_before_(held_)
+      held_before_(held_), held_u_before_(held_), rolled_(given.rollers.size(), 0.0)
 {
   const auto dim = static_cast<std::size_t>(system.rows.dim);
   v.resize(static_cast<std::size_t>(system.rows.owned()) * dim, 0.0);
@@ -70,6 +82,7 @@ void MovingSystem::unbalanced(double time, std::span<double> f)
 {
   system.halo->refresh(u);
   std::ranges::fill(f, 0.0);
+  for (field::Support* support : system.supports) support->go_to_time(time);
   busy_.resize(system.terms.size(), 0.0);
   for (std::size_t k = 0; k < busy_.size(); ++k) {
     const field::Term& term = *system.terms[k];
@@ -80,10 +93,31 @@ void MovingSystem::unbalanced(double time, std::span<double> f)
   const auto& held = system.prescribed.components;
   for (std::size_t k = 0; k < held.size(); ++k) held_[k] = f[static_cast<std::size_t>(held[k])];
   for (const Loose& half : loose_) held_[half.held] -= f[half.set] / half.factor; // that of the near half alone
+  note_rolled(f);
   load_at(time);
   for (const Load& load : loads_)
     for (std::size_t k = 0; k < load.force.size(); ++k)
       f[static_cast<std::size_t>(load.drive->components[k])] -= load.force[k];
+}
+
+/// Of a node whose far half is free that of the near half alone.
+void MovingSystem::note_rolled(std::span<const double> f)
+{
+  const int dim = system.rows.dim;
+  for (std::size_t k = 0; k < rolled_.size(); ++k) rolled_[k] = system.rollers[k].part(dim, f.data());
+  if (rolled_.empty()) return;
+  for (const field::Tie& t : ties_) {
+    if (!rollers_of(t.set).empty()) continue;
+    for (const field::Roller& roller : rollers_of(t.row))
+      rolled_[static_cast<std::size_t>(&roller - system.rollers.data())] -=
+          field::Roller{t.set, roller.along}.part(dim, f.data()) / t.factor;
+  }
+}
+
+std::span<const field::Roller> MovingSystem::rollers_of(Index row) const
+{
+  const auto [from, to] = std::ranges::equal_range(system.rollers, row, {}, &field::Roller::row);
+  return {from, to};
 }
 
 void MovingSystem::add_damping(std::span<double> f)
@@ -96,6 +130,8 @@ void MovingSystem::add_damping(std::span<double> f)
     if (damps(term)) term->add_damping(u, all_velocities_, damping_);
   const auto& held = system.prescribed.components;
   for (std::size_t k = 0; k < held.size(); ++k) held_[k] += damping_[static_cast<std::size_t>(held[k])];
+  for (std::size_t k = 0; k < rolled_.size(); ++k)
+    rolled_[k] += system.rollers[k].part(system.rows.dim, damping_.data());
   power_ = 0.0;
   for (std::size_t i = 0; i < f.size(); ++i) {
     f[i] += damping_[i];
@@ -125,7 +161,10 @@ void MovingSystem::resume(double time, double work, const Damped& damped, std::s
   damped_ = damped;
   const auto& held = system.prescribed.components;
   for (std::size_t k = 0; k < held.size(); ++k) held_[k] = held_force[static_cast<std::size_t>(held[k])];
+  for (std::size_t k = 0; k < rolled_.size(); ++k)
+    rolled_[k] = system.rollers[k].part(system.rows.dim, held_force.data());
   load_at(time);
+  for (field::Support* support : system.supports) support->go_to_time(time);
 }
 
 void MovingSystem::held_force(std::vector<double>& force) const
@@ -133,6 +172,7 @@ void MovingSystem::held_force(std::vector<double>& force) const
   force.assign(owned(), 0.0);
   const auto& held = system.prescribed.components;
   for (std::size_t k = 0; k < held.size(); ++k) force[static_cast<std::size_t>(held[k])] = held_[k];
+  for (std::size_t k = 0; k < rolled_.size(); ++k) system.rollers[k].add(system.rows.dim, rolled_[k], force.data());
 }
 
 double MovingSystem::stored_energy() const
@@ -160,6 +200,7 @@ void MovingSystem::accelerate(std::span<double> f) const
       f[static_cast<std::size_t>(t.row) * dim + d] -= far;
     }
   dim == 2 ? divide_by_mass<2>(f) : divide_by_mass<3>(f);
+  if (!ties_.empty()) field::project(system.rollers, system.rows.dim, f.data()); // before halves that are free follow
   for (const field::Tie& t : ties_)
     for (std::size_t d = 0; d < dim; ++d) {
       const std::size_t row = static_cast<std::size_t>(t.row) * dim + d;
@@ -167,6 +208,7 @@ void MovingSystem::accelerate(std::span<double> f) const
       set = (set - (system.held[row] ? 0.0 : f[row])) / t.factor;
     }
   for (const Index c : system.prescribed.components) f[static_cast<std::size_t>(c)] = 0.0;
+  field::project(system.rollers, system.rows.dim, f.data());
 }
 
 void MovingSystem::let_go(std::span<const field::ForceLoss> losses, std::span<double> a)
@@ -178,6 +220,13 @@ void MovingSystem::let_go(std::span<const field::ForceLoss> losses, std::span<do
     else if (ties_.empty())
       a[static_cast<std::size_t>(loss.component)] +=
           inverse_mass_[static_cast<std::size_t>(loss.component / system.rows.dim)] * loss.force;
+  if (!rolled_.empty()) {
+    for (const field::ForceLoss& loss : losses)
+      for (const field::Roller& roller : rollers_of(loss.component / system.rows.dim))
+        rolled_[static_cast<std::size_t>(&roller - system.rollers.data())] -=
+            roller.along[loss.component % system.rows.dim] * loss.force;
+    field::project(system.rollers, system.rows.dim, a.data());
+  }
   for (const Loose& half : loose_)
     for (const field::ForceLoss& loss : losses)
       if (loss.component == static_cast<Index>(half.set)) held_[half.held] += loss.force / half.factor;
@@ -208,11 +257,13 @@ void MovingSystem::add_inertia(std::span<const double> x, std::span<double> y) c
 void MovingSystem::move(double time, double* displacement) const
 {
   overwrite(system.drives, factor, time, displacement);
+  field::project(system.rollers, system.rows.dim, displacement);
 }
 
 void MovingSystem::move_velocity(double time, double* velocity) const
 {
   overwrite(system.drives, rate, time, velocity);
+  field::project(system.rollers, system.rows.dim, velocity);
 }
 
 template <class Move> void MovingSystem::without_far_halves(double* values, Move&& move) const
@@ -269,6 +320,7 @@ void MovingSystem::note()
   const auto& held = system.prescribed.components;
   for (std::size_t k = 0; k < held.size(); ++k) held_u_before_[k] = u[static_cast<std::size_t>(held[k])];
   held_kinetic_before_ = held_kinetic();
+  for (field::Support* support : system.supports) support->note(u);
 }
 
 void MovingSystem::book(double length)
@@ -282,91 +334,6 @@ void MovingSystem::book(double length)
   for (std::size_t k = 0; k < held.size(); ++k)
     work_ += 0.5 * (held_before_[k] + held_[k]) * (u[static_cast<std::size_t>(held[k])] - held_u_before_[k]);
   work_ += held_kinetic() - held_kinetic_before_;
-}
-
-std::array<double, 3> MovingSystem::momentum(std::span<const double> velocity) const
-{
-  const auto dim = static_cast<std::size_t>(system.rows.dim);
-  std::vector<double> inertia(velocity.size(), 0.0);
-  add_inertia(velocity, inertia);
-  std::array<double, 3> sum{};
-  const auto sets = static_cast<std::size_t>(system.rows.nodes),
-             particles = sets + static_cast<std::size_t>(system.rows.enriched);
-  for (std::size_t row = 0; row < mass.size(); ++row) // all rows move alike where the body does, and no set opens
-    for (std::size_t d = 0; d < dim && (row < sets || row >= particles); ++d) sum[d] += inertia[row * dim + d];
-  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);
-  return sum;
-}
-
-namespace {
-/// Adds m v.v and m a.a of rows begin ... end, in sums that do not wait for each other.
-template <std::size_t Dim>
-void add_weighed_squares(std::span<const double> mass, const double* v, const double* a, std::size_t begin,
-                         std::size_t end, double& vv, double& aa)
-{
-  constexpr std::size_t abreast = 4;
-  Lanes<2> of_v[abreast] = {}, of_a[abreast] = {};
-  const auto square = [](const double* x) {
-    Lanes<2> xx = load<2>(x) * load<2>(x);
-    if constexpr (Dim == 3) xx[0] += x[2] * x[2];
-    return xx;
-  };
-  const auto add = [&](std::size_t row, std::size_t to) {
-    of_v[to] += mass[row] * square(v + row * Dim);
-    of_a[to] += mass[row] * square(a + row * Dim);
-  };
-  std::size_t row = begin;
-  for (; row + abreast <= end; row += abreast)
-    for (std::size_t k = 0; k < abreast; ++k) add(row + k, k);
-  for (; row < end; ++row) add(row, 0);
-  const Lanes<2> sum_v = (of_v[0] + of_v[1]) + (of_v[2] + of_v[3]), sum_a = (of_a[0] + of_a[1]) + (of_a[2] + of_a[3]);
-  vv += sum_v[0] + sum_v[1];
-  aa += sum_a[0] + sum_a[1];
-}
-} // namespace
-
-/// m v.v of all rows, m a.a of all, m v.v of particles.
-template <std::size_t Dim> void MovingSystem::add_squares(std::span<const double> a, double (&sums)[3]) const
-{
-  const auto particles = static_cast<std::size_t>(system.rows.first_particle());
-  add_weighed_squares<Dim>(mass, v.data(), a.data(), 0, particles, sums[0], sums[1]);
-  add_weighed_squares<Dim>(mass, v.data(), a.data(), particles, mass.size(), sums[2], sums[1]);
-  sums[0] += sums[2];
-}
-
-KineticEnergy MovingSystem::kinetic_energy(std::span<const double> a, double step) const
-{
-  const auto dim = static_cast<std::size_t>(system.rows.dim);
-  double sums[3] = {0.0, 0.0, 0.0};
-  dim == 2 ? add_squares<2>(a, sums) : add_squares<3>(a, sums);
-  for (const field::Tie& t : ties_)
-    for (std::size_t d = 0; d < dim; ++d) {
-      const std::size_t i = static_cast<std::size_t>(t.row) * dim + d, s = static_cast<std::size_t>(t.set) * dim + d;
-      const double m = mass[static_cast<std::size_t>(t.set)], far = v[i] + t.factor * v[s], af = a[i] + t.factor * a[s];
-      sums[0] += m * (far * far - v[s] * v[s]);
-      sums[1] += m * (af * af - a[s] * a[s]);
-    }
-  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);
-  return {0.5 * sums[0], 0.5 * sums[2], step * step / 8.0 * sums[1]};
-}
-
-std::array<double, 3> MovingSystem::fastest_place() const
-{
-  const auto dim = static_cast<std::size_t>(system.rows.dim);
-  struct {
-    double speed;
-    int rank;
-  } fastest{-1.0, 0};
-  MPI_Comm_rank(system.rows.comm, &fastest.rank);
-  std::array<double, 3> place{};
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    const double speed = std::isnan(v[i]) ? std::numeric_limits<double>::infinity() : std::abs(v[i]);
-    if (speed <= fastest.speed) continue;
-    fastest.speed = speed;
-    for (std::size_t d = 0; d < dim; ++d) place[d] = system.coordinates[i / dim * dim + d];
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &fastest, 1, MPI_DOUBLE_INT, MPI_MAXLOC, system.rows.comm);
-  MPI_Bcast(place.data(), 3, MPI_DOUBLE, fastest.rank, system.rows.comm);
-  return place;
+  for (const field::Support* support : system.supports) work_ += support->work_since(u);
 }
 } // namespace pdx::solve

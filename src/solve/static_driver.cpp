@@ -78,19 +78,11 @@ void StaticDriver::prescribe(Vec u, double load) const
 {
   double* values = nullptr;
   PDX_CALL(VecGetArray(u, &values));
-  const auto& [components, targets] = system_.prescribed;
-  for (std::size_t k = 0; k < components.size(); ++k) values[components[k]] = load * targets[k];
+  const auto& components = system_.prescribed.components;
+  const std::vector<double> targets = system_.targets(load);
+  for (std::size_t k = 0; k < components.size(); ++k) values[components[k]] = targets[k];
+  field::project(system_.rollers, system_.rows.dim, values);
   PDX_CALL(VecRestoreArray(u, &values));
-}
-
-std::vector<double> unbalanced_force(const field::System& system, std::span<const double> owned, double load,
-                                     std::vector<double>& local)
-{
-  system.halo->fetch(owned, system.rows.dim, local);
-  std::vector<double> r(system.load.size());
-  for (std::size_t k = 0; k < r.size(); ++k) r[k] = -load * system.load[k];
-  for (const auto& term : system.terms) term->add_residual(local, r);
-  return r;
 }
 
 /// Forces see prescribed components at their targets, whatever u holds there: so the tangent with their rows and
@@ -101,19 +93,24 @@ PetscErrorCode StaticDriver::residual(SNES, Vec u, Vec r, void* context)
     static Event event("solve_residual");
     Timed timed(event);
     auto* self = static_cast<StaticDriver*>(context);
-    const auto& [components, targets] = self->system_.prescribed;
+    const field::System& system = self->system_;
+    const auto& components = system.prescribed.components;
+    const std::vector<double> targets = system.targets(self->load_);
     double* to = nullptr;
     const double* at = nullptr;
     PDX_CALL(VecGetArrayRead(u, &at));
     std::vector<double> state(at, at + self->system_.load.size());
-    for (std::size_t k = 0; k < components.size(); ++k)
-      state[static_cast<std::size_t>(components[k])] = self->load_ * targets[k];
+    for (std::size_t k = 0; k < components.size(); ++k) state[static_cast<std::size_t>(components[k])] = targets[k];
+    field::project(system.rollers, system.rows.dim, state.data());
     std::vector<double> force = unbalanced_force(self->system_, state, self->load_, self->local_);
     self->tangent_.drop_held(force);
     PDX_CALL(VecGetArrayWrite(r, &to));
     std::copy(force.begin(), force.end(), to);
     for (std::size_t k = 0; k < components.size(); ++k)
-      to[components[k]] = self->system_.scale * (at[components[k]] - self->load_ * targets[k]);
+      to[components[k]] = system.scale * (at[components[k]] - targets[k]);
+    field::project(system.rollers, system.rows.dim, to);
+    for (const field::Roller& roller : system.rollers)
+      roller.add(system.rows.dim, system.scale * roller.part(system.rows.dim, at), to);
     if (std::exchange(self->new_load_, false)) self->set_tolerances(force, {to, force.size()});
     PDX_CALL(VecRestoreArrayRead(u, &at));
     PDX_CALL(VecRestoreArrayWrite(r, &to));
@@ -130,6 +127,8 @@ void StaticDriver::set_tolerances(std::span<const double> force, std::span<const
   for (std::size_t k = 0; k < outer.size(); ++k) outer[k] = load_ * system_.load[k];
   for (const Index k : system_.prescribed.components)
     outer[static_cast<std::size_t>(k)] += force[static_cast<std::size_t>(k)];
+  for (const field::Roller& roller : system_.rollers)
+    roller.add(system_.rows.dim, roller.part(system_.rows.dim, force.data()), outer.data());
   double squares[2] = {std::inner_product(outer.begin(), outer.end(), outer.begin(), 0.0),
                        std::inner_product(residual.begin(), residual.end(), residual.begin(), 0.0)};
   MPI_Allreduce(MPI_IN_PLACE, squares, 2, MPI_DOUBLE, MPI_SUM, system_.rows.comm);

@@ -48,6 +48,7 @@ std::string StaticSolver::reason_against(const StaticOptions& options) const
   if (options.condense == Condense::off) return "-static_condense off";
   if (options.assembled || !system_.coarse) return "the tangent is assembled";
   if (system_.swelling) return "heat strains the elements";
+  if (!system_.turning.empty()) return "something is turned";
   if (!system_.symmetric()) return "the tangent is not symmetric";
   if (std::ranges::none_of(system_.terms, [](const auto& term) { return term->fixed(); }))
     return "no elements of small strain";

@@ -83,6 +83,7 @@ void TangentOperator::update(std::span<const double> u)
     if (!kept || !in_steady_[t]) system_.terms[t]->add_jacobian(adder, assembled_);
   adder.finish(system_.scale);
   hold_weak_rows();
+  if (system_.rolls) project_rollers();
   if (shell_) { // tells solvers that the operator changed
     PDX_CALL(MatAssemblyBegin(shell_.get(), MAT_FINAL_ASSEMBLY));
     PDX_CALL(MatAssemblyEnd(shell_.get(), MAT_FINAL_ASSEMBLY));
@@ -132,6 +133,36 @@ void TangentOperator::reserve_diagonal()
   const Block nothing = Block::Zero(rows.dim, rows.dim);
   for (PetscInt row = rows.first; row < rows.first + rows.owned(); ++row)
     PDX_CALL(MatSetValuesBlocked(sparse_.get(), 1, &row, 1, &row, nothing.data(), ADD_VALUES));
+}
+
+/// P K P, and the scale along the rollers: places of K have room for it, as all of a block is put in at once.
+void TangentOperator::project_rollers()
+{
+  const PetscInt dim = system_.rows.dim, base = system_.rows.first * dim, local = system_.rows.owned() * dim;
+  if (!projector_) {
+    PDX_CALL(MatCreateAIJ(system_.rows.comm, local, local, PETSC_DETERMINE, PETSC_DETERMINE, static_cast<PetscInt>(dim),
+                          nullptr, 0, nullptr, projector_.out()));
+    for (PetscInt k = base; k < base + local; ++k) PDX_CALL(MatSetValue(projector_.get(), k, k, 1.0, ADD_VALUES));
+    add_along_rollers(projector_.get(), -1.0);
+  }
+  MatHandle projected;
+  PDX_CALL(MatPtAP(sparse_.get(), projector_.get(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, projected.out()));
+  PDX_CALL(MatCopy(projected.get(), sparse_.get(), DIFFERENT_NONZERO_PATTERN));
+  add_along_rollers(sparse_.get(), system_.scale);
+}
+
+/// Adds `factor` n n^T at each roller. Collective.
+void TangentOperator::add_along_rollers(Mat matrix, double factor) const
+{
+  const int dim = system_.rows.dim;
+  for (const field::Roller& roller : system_.rollers) {
+    const PetscInt first = (system_.rows.first + roller.row) * dim;
+    for (int a = 0; a < dim; ++a)
+      for (int b = 0; b < dim; ++b)
+        PDX_CALL(MatSetValue(matrix, first + a, first + b, factor * roller.along[a] * roller.along[b], ADD_VALUES));
+  }
+  PDX_CALL(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+  PDX_CALL(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
 }
 
 TangentOperator::Block TangentOperator::diagonal_block(Index row) const

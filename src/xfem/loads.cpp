@@ -55,14 +55,14 @@ std::size_t corner_of(const mesh::Mesh& mesh, Index cell, Index vertex)
 } // namespace
 
 void add_traction(const mesh::Mesh& mesh, const EnrichedSets& sets, std::span<const mesh::BoundaryEdge> edges,
-                  const Vector<2>& traction, double thickness, const fem::NodalForces& target)
+                  const Vector<2>& traction, const fem::Thickness& thickness, const fem::NodalForces& target)
 {
   for (const mesh::BoundaryEdge& edge : edges) {
     if (!sets.cut(edge.cell)) continue;
     const std::size_t first = corner_of(mesh, edge.cell, edge.vertices[0]);
     const std::size_t last = corner_of(mesh, edge.cell, edge.vertices[1]);
     const double length = (mesh.point(edge.vertices[1]) - mesh.point(edge.vertices[0])).norm();
-    const Vector<2> force = length * thickness * traction; // of the whole edge
+    const Vector<2> force = length * thickness(edge.cell) * traction; // of the whole edge
     for (const CutElement& cut : sets.all_of(edge.cell))
       for (const EdgePart& part : edge_parts(cut, first, last)) {
         const double share = part.end - part.begin;
@@ -74,7 +74,7 @@ void add_traction(const mesh::Mesh& mesh, const EnrichedSets& sets, std::span<co
 }
 
 void add_body_force(const mesh::Mesh& mesh, const EnrichedSets& sets, const fem::BodyForce& body_force,
-                    double thickness, const fem::NodalForces& target)
+                    const fem::Thickness& thickness, const fem::NodalForces& target)
 {
   for (const CutElement& cut : sets.cells()) {
     const fem::Corners corners = mesh.corners(cut.cell);
@@ -82,7 +82,7 @@ void add_body_force(const mesh::Mesh& mesh, const EnrichedSets& sets, const fem:
       for (const PartPoint& at : cut.element.cell.points(side)) {
         Vector<2> x = Vector<2>::Zero();
         for (std::size_t a = 0; a < 4; ++a) x += at.shape[static_cast<Index>(a)] * corners[a];
-        const Vector<2> force = at.area * thickness * body_force(x);
+        const Vector<2> force = at.area * thickness(cut.cell) * body_force(x);
         for (std::size_t a = 0; a < 4; ++a)
           add_corner(mesh, cut, a, side, at.shape[static_cast<Index>(a)] * force, target);
       }

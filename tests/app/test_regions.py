@@ -135,6 +135,8 @@ class Regions(program.ProgramTest):
         options = BAR | RIGHT | {"-probe_names": "end", "-probe_end_at": "5,1.1", "-probe_end_field": "displacement"}
         for ranks in (1, 3):
             self.assertAlmostEqual(self.end(self.solve(options, ranks), "end")["displacement_x"], TRACTION / E + TRACTION / (3 * E), delta=1e-14)
+        thick = self.solve(options | {"-region_stiff_thickness": "2"})
+        self.assertAlmostEqual(self.end(thick, "end")["displacement_x"], 2 * TRACTION / E + TRACTION / (3 * E), delta=1e-14)
         # With particles over the border: two springs in a row, within what a row of cells between is worth.
         patch = {"-material_poisson": None, "-mesh_cells": "32,4", "-pd_patches": "3.5,1.0625,4.5,1.1875", "-pd_spacing": "0.015625"}
         self.assertAlmostEqual(self.end(self.solve(options | patch), "end")["displacement_x"], 4 / 3e3, delta=0.01 * 4 / 3e3)
@@ -148,6 +150,37 @@ class Regions(program.ProgramTest):
                 self.assertAlmostEqual(row["displacement_y"], -1e-3 / 3 * y, delta=1e-12)
             self.assertAlmostEqual(run.summary["results"]["reaction"]["right"][0], (0.75 + 5 * 0.25) * 1e6, delta=1e-4)
 
+    def test_layers_of_two_thicknesses(self):
+        weight = {"-bc_names": "left,bottom,right,weight", "-bc_weight_body": "0,0", "-bc_weight_box": "0,0,1,1"}
+        run = self.solve(LAYERED | weight | {"-region_layer_thickness": "0.3", "-material_thickness": "0.1"}, 2)
+        for name, x, y in (("high", 0.4, 1), ("inside", 0.6, 0.4)):
+            row = self.end(run, name)
+            self.assertAlmostEqual(row["displacement_x"], 1e-3 * x, delta=1e-12)
+            self.assertAlmostEqual(row["displacement_y"], -1e-3 / 3 * y, delta=1e-12)
+        results = run.summary["results"]
+        force = (0.1 * 0.75 + 0.3 * 5 * 0.25) * 1e6
+        self.assertAlmostEqual(results["reaction"]["right"][0], force, delta=1e-4)
+        self.assertAlmostEqual(results["strain_energy"], 0.5e-3 * force, delta=1e-6)
+        # Their own weight: what the floor bears.
+        run = self.solve(LAYERED | weight | {"-bc_weight_body": "0,-1e3", "-region_layer_thickness": "0.3", "-material_thickness": "0.1",
+                                             "-bc_right_displacement": "0,free"})  # fmt: skip
+        self.assertAlmostEqual(run.summary["results"]["reaction"]["bottom"][1], (0.1 * 0.75 + 0.3 * 0.25) * 1e3, delta=1e-6)
+
+    def test_j_beside_another_material_is_what_the_body_gives(self):
+        """J around a tip in one material, thicker than the rest, against the energy that the body loses as the crack grows."""
+        for more in ({}, {"-mesh_cells": "32,32", "-pd_patches": "0.25,0.3125,0.75,0.6875", "-pd_spacing": "0.015625", "-post_j_domain": None,
+                          "-post_j_contours": "0.15,0.2"}):  # fmt: skip
+            run = self.warned({
+                "-mesh_lower": "0,0", "-mesh_upper": "1,1", "-material_young": "1e9", "-quiet": "", "-mesh_cells": "41,41", "-material_thickness": "0.5", "-bc_names": "low,high", "-bc_low_on": "bottom",
+                "-bc_low_displacement": "0,0", "-bc_high_on": "top", "-bc_high_traction": "0,1e6", "-crack_names": "c",
+                "-crack_c_points": f"-0.01,0.5,{20 / 41},0.5", "-region_names": "middle,side", "-region_middle_box": "-1,0.25,0.8,0.75",
+                "-region_middle_young": "3e9", "-region_middle_thickness": "0.2", "-region_side_box": "0.8,-1,2,2",
+                "-region_side_young": "8e9", "-post_j_domain": "0.08,0.2", "-post_energy_release": ""} | more)  # fmt: skip
+            tip = run.summary["results"]["tips"][0]
+            j = tip["j_domain"] if not more else tip["j_by_contour"][1][1]
+            self.assertAlmostEqual(j / tip["energy_release_rate"], 1, delta=0.03)
+            self.assertAlmostEqual(run.summary["results"]["stress_intensity"], math.sqrt(3e9 * j), delta=1e-6 * math.sqrt(3e9 * j))
+
     def test_waves_at_an_interface(self):
         """Of the velocity, (Z1 - Z2) / (Z1 + Z2) comes back; Z2 is three times Z1."""
         bodies = {
@@ -155,6 +188,8 @@ class Regions(program.ProgramTest):
             "particles": {"-pd_patches": "all", "-pd_spacing": "0.005", "-pd_horizon_ratio": "3"},
             "both": {"-mesh_cells": "400,4", "-pd_patches": "0.995,0,1.02,0.02", "-pd_spacing": "0.0025", "-pd_horizon_ratio": "3"},
         }
+        thick = {"-region_heavy_young": None, "-region_heavy_density": None, "-region_heavy_thickness": "3"}
+        bodies |= {f"thick {name}": body | thick for name, body in bodies.items()}
         for name, body in bodies.items():
             with self.subTest(name):
                 rows = program.rows_of(self.warned(STRUCK | body).directory / "probe_at.csv")

@@ -130,6 +130,7 @@ class Warnings(program.ProgramTest):
             ({"-bc_load_traction": "1e13,0"}, r"the largest displacement is [\d.e+]+ m and the body 1 m: small strains"),
             ({"-bc_load_traction": "0,0"}, "nothing loads or moves the body"),
             ({"-ts_max_time": "1"}, "-ts_max_time acts in time and changes nothing in statics"),
+            ({"-post_section": "x"}, "-post_section tells when sections break in time, and changes nothing in statics"),
         ):
             with self.subTest(change):
                 self.assert_warned(self.launch(program.SMALL | change), words)
@@ -138,6 +139,11 @@ class Warnings(program.ProgramTest):
                 self.assertRegex(run.err, rf"^error: {words}[^\n]* \(-warnings_are_errors\)\n$")
         finite = self.launch(program.SMALL | {"-bc_load_traction": "1e3,0", "-warnings_are_errors": ""})
         self.assertEqual((finite.status, finite.err), (0, ""))
+
+    def test_rest_that_is_not_skipped_in_statics(self):
+        body = {"-mpm_bodies": "a", "-mpm_a_box": "0,0,1,1", "-mpm_spacing": "0.125", "-material_density": "1", "-mesh_lower": None,
+                "-mesh_upper": None, "-mesh_cells": None, "-mpm_skip_rest": "false"}  # fmt: skip
+        self.assert_warned(self.launch(program.SMALL | body), "-mpm_skip_rest is of explicit steps, and changes nothing here")
 
     def test_a_crack_on_a_row_of_particles(self):
         # Rows at 0.25 + 0.125 (k + 1/2): 0.4375 is one, 0.5 lies between two.

@@ -4,7 +4,7 @@
 usage: fuzz.py HARNESS [--ranks N] [--count N] [--seed N] [--kind WORD] [--keep DIRECTORY]
        fuzz.py PROGRAM --whole [the same]        every input is a run of its own, slower and closer to life
 Whatever the input: no trace, no signal, no hang, no exit status but 0, 1 and 2 (3, the machine failed, only for lack of
-memory), no message over 400 characters, and status 1 with one line of error. What fails is printed with the command that
+memory), no message over 640 characters, and status 1 with one line of error. What fails is printed with the command that
 repeats it, and kept with --keep. The files below corpus/ come first.
 """
 
@@ -30,7 +30,7 @@ import program
 import seeds
 
 PATIENCE = 60  # [s] a run that says nothing for longer hangs; on an idle machine it takes a few hundredths
-LONGEST = 400  # characters of a message
+LONGEST = 640  # characters of a message
 MEMORY = 6 << 30  # [bytes] address space: a scene that wants more ends with status 3, not the machine
 TRACES = ("PETSC ERROR", "Signal", "signal", "*** ", "terminate called", "runtime error:", "AddressSanitizer", "LeakSanitizer", "std::", "Assertion")
 OPTION_WORDS = ("-mesh_cells", "-pd_spacing", "-bc_names", "-crack_names", "-ts_dt", "-output_times", "-options_file", "-help", "-ksp_type",

@@ -7,6 +7,6 @@ namespace pdx {
 std::string shown(std::string_view text, std::size_t most = 60);
 /// A path likewise; of a long one the end.
 std::string shown_path(std::string_view path);
-/// A message on one line of less than 400 characters: a longer one loses its middle.
+/// A message on one line of at most 640 characters: a longer one loses its middle, between words.
 std::string as_one_line(std::string_view message);
 } // namespace pdx

@@ -1,4 +1,6 @@
 #pragma once
+#include <memory>
+#include <string_view>
 #include <vector>
 
 namespace pdx::field {
@@ -18,15 +20,20 @@ public:
     double time, factor;
   };
   static History table(std::vector<Point> points);
+  /// A formula of t, see `Expression`. Throws UserError. @param span over which it is summed up for `integral` at a
+  /// time, above 0: so much of the time as it changes little in [s]
+  static History expression(std::string_view text, double span);
 
   double value(double time) const;
   double rate(double time) const;     ///< its derivative; at a kink the one to come, at a jump 0 [1/s]
   double integral(double time) const; ///< from 0 to `time` >= 0 [s]
 
 private:
-  enum class Shape { polyline, gaussian };
+  class Formula;
+  enum class Shape { polyline, gaussian, expression };
   Shape shape_ = Shape::polyline;
   double centre_ = 0.0, width_ = 1.0; // gaussian
   std::vector<Point> points_{{0.0, 1.0}};
+  std::shared_ptr<const Formula> formula_; // expression
 };
 } // namespace pdx::field

@@ -4,7 +4,8 @@
 #include "pdx/field/coarse_space.hpp"
 #include "pdx/field/drive.hpp"
 #include "pdx/field/own_steps.hpp"
-#include "pdx/field/term.hpp"
+#include "pdx/field/roller.hpp"
+#include "pdx/field/support.hpp"
 
 #include <memory>
 
@@ -13,6 +14,14 @@ namespace pdx::field {
 struct Prescribed {
   std::vector<Index> components;
   std::vector<double> values; ///< at load 1 [m]
+};
+
+/// A prescribed component of what turns as a rigid body: at load l, with the angle l * `angle`, it is at
+/// (cos - 1) along + sin across.
+struct Turning {
+  std::size_t at = 0;               ///< place among the prescribed components
+  double angle = 0.0;               ///< at load 1 [rad]
+  double along = 0.0, across = 0.0; ///< [m]
 };
 
 /// All that a solver knows of a scene: rows, Terms, loads and what is held. Solvers know Terms, never physics.
@@ -24,20 +33,27 @@ struct System {
   std::vector<std::unique_ptr<AfterSolve>> after;     ///< asked in this order after each solve
   std::vector<std::unique_ptr<AfterStep>> after_step; ///< asked in this order after each time step
   Prescribed prescribed;
-  std::vector<std::uint8_t> held;       ///< 1 per prescribed component of every local row [owned | halo]
-  std::vector<double> load;             ///< external force at load 1, owned rows * dim [N]
-  std::vector<Drive> drives;            ///< the same in time: loads, and the motion of what is held
-  std::vector<double> initial_velocity; ///< owned rows * dim; empty: at rest [m/s]
-  std::vector<double> coordinates;      ///< of owned rows, dim per row [m]
-  std::unique_ptr<Swelling> swelling;   ///< none: no Term ever swells
-  std::unique_ptr<CoarseSpace> coarse;  ///< none: assembled operators only
-  double scale = 1.0;                   ///< diagonal of prescribed components [N/m]
+  std::vector<Turning> turning;           ///< of these components; `prescribed.values` hold them at load 1
+  std::vector<Roller> rollers;            ///< of owned rows, ascending; none of their components is prescribed
+  bool rolls = false;                     ///< has any rank rollers? `bind` finds out
+  std::vector<const SpringTerm*> springs; ///< borrowed from terms
+  std::vector<Support*> supports;         ///< likewise; springs among them
+  std::vector<std::uint8_t> held;         ///< 1 per prescribed component of every local row [owned | halo]
+  std::vector<double> load;               ///< external force at load 1, owned rows * dim [N]
+  std::vector<Drive> drives;              ///< the same in time: loads, and the motion of what is held
+  std::vector<double> initial_velocity;   ///< owned rows * dim; empty: at rest [m/s]
+  std::vector<double> coordinates;        ///< of owned rows, dim per row [m]
+  std::unique_ptr<Swelling> swelling;     ///< none: no Term ever swells
+  std::unique_ptr<CoarseSpace> coarse;    ///< none: assembled operators only
+  double scale = 1.0;                     ///< diagonal of prescribed components [N/m]
 
   /// Finds the halo of all Terms, binds them and spreads `held`. Call once, after rows, terms and prescribed are set.
   /// Collective.
   void bind(const std::vector<PetscInt>& also_needed = {});
   /// Tells the Terms the free strain at a load, where there is any.
   void go_to(double load) const;
+  /// Where prescribed components are at a load, in their order [m].
+  std::vector<double> targets(double load) const;
   bool linear() const;
   bool symmetric() const;
 };

@@ -38,11 +38,11 @@ public:
   const Elastic& elastic(std::size_t region) const { return region ? regions_[region - 1].elastic : rest_; }
   const std::string& name(std::size_t region) const { return regions_[region - 1].name; } ///< from 1 on
 
-  /// Of a bond between two regions over that of one in region 0: 2 / (E_0/E_a + E_0/E_b), two springs in a row.   [-]
+  /// Of a bond between two regions over one in region 0: two springs in a row, each as stiff as E t. [-]
   double stiffness(std::size_t a, std::size_t b) const { return stiffness_[a * count() + b]; }
   /// Critical stretch of such a bond over that of one in region 0 with the reference toughness: the energy it takes is
-  /// as its stretch squared and its stiffness. Infinity: it never breaks. Between two regions the smaller toughness
-  /// counts, if the interface has none of its own.                                                              [-]
+  /// as stretch squared and stiffness, and is Gc t. Infinity: it never breaks. Between two regions the smaller
+  /// toughness counts, if the interface has none of its own. [-]
   double stretch(std::size_t a, std::size_t b) const { return stretch_[a * count() + b]; }
 
   bool one_elastic() const { return one_elastic_; }       ///< are all made of one solid?

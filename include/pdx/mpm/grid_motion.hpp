@@ -5,14 +5,25 @@
 #include "pdx/mpm/grid_nodes.hpp"
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace pdx::mpm {
-/// Nodes that are held along an axis: those in a box of space, whatever points come by.
+/// Nodes that are held along an axis, or along any direction: those in a box of space, whatever points come by.
 template <int Dim> struct GridHold {
   geom::Box<Dim> box; ///< [m]
   int axis = 0;
   std::function<double(double time)> velocity; ///< [m/s]
+  std::optional<Vector<Dim>> along;            ///< unit vector, instead of the axis
+  std::function<double(double time)> spin;     ///< of what turns in the plane; none: nothing turns [1/s]
+  Vector<2> centre = Vector<2>::Zero();        ///< about that [m]
+
+  /// The velocity that a node is held at, when that of others is `shift` and what turns does so at `turn`.
+  double at(const Vector<Dim>& node, double shift, double turn) const
+  {
+    if (turn == 0.0 || axis > 1) return shift;
+    return shift + (axis == 0 ? -turn * (node[1] - centre[1]) : turn * (node[0] - centre[0]));
+  }
 };
 
 /// Bodies of material points on a grid that is fixed in space and made anew each step [PDMPM section 2]. Each rank
@@ -58,6 +69,7 @@ private:
   void take_all(const Taking& what);
   void settle_velocity(bool momentum, bool force, double kick);
   void hold_nodes(double time, double kick, bool force, bool brought);
+  void roll_node(std::size_t hold, std::size_t at, double kick, bool force, bool brought);
 
   MPI_Comm comm_;
   GridRule rule_;

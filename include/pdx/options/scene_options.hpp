@@ -6,6 +6,7 @@
 #include "pdx/geom/same_lattice.hpp"
 #include "pdx/law/elastic.hpp"
 #include "pdx/mesh/build.hpp"
+#include "pdx/options/condition_options.hpp"
 #include "pdx/options/fracture_options.hpp"
 #include "pdx/options/point_options.hpp"
 #include "pdx/options/probe_options.hpp"
@@ -24,27 +25,6 @@ enum class SurfaceCorrection { automatic, none, volume, exact };
 enum class PdOperator { automatic, matrix_free, assembled };
 
 inline constexpr const char* kMeshBody = "mesh"; ///< what elements are called among bodies
-
-/// What acts on a named part of the body: `-bc_NAME_...`. The third component is that of solids.
-struct BoundaryCondition {
-  std::string name;
-  std::string on;                                    ///< boundary of the mesh, "" if chosen by a box alone
-  std::optional<geom::Box<2>> box;                   ///< only what lies in it [m]
-  std::optional<Index> set;                          ///< only particles of it; clouds only
-  std::string of;                                    ///< only a body of material points, "" for all
-  std::array<std::optional<double>, 3> displacement; ///< held components [m]
-  std::array<std::optional<double>, 3> velocity;     ///< the same, moved in time [m/s]
-  std::optional<Vector<3>> initial_velocity;         ///< free afterwards [m/s]
-  std::optional<field::History> history;             ///< of all but the initial velocity; none: constant
-  std::optional<Vector<3>> traction;                 ///< [Pa]
-  std::optional<Vector<3>> body;                     ///< [N/m^3]
-  std::optional<Vector<3>> force; ///< at the node or particle nearest to `at`; of a cloud: in all, by volume [N]
-  std::optional<Vector<2>> at;    ///< [m]
-  int rows = 1;                   ///< particle rows under the boundary that take part
-  bool layer = false;             ///< held particles in a layer of one horizon outside the body
-  bool moves() const { return velocity[0] || velocity[1] || velocity[2]; }
-  bool holds() const { return displacement[0] || displacement[1] || displacement[2] || moves(); }
-};
 
 struct PdOptions {
   bool everywhere = false;           ///< -pd_patches all

@@ -109,7 +109,7 @@ public:
   /// Takes out bonds that another layout of the same part found overstretched, in time that grows with their number.
   /// @param losses if not null, their forces on owned rows are appended
   Broken lose(LostBonds lost, Kinematics kinematics, field::ForceLosses* losses = nullptr);
-  /// Of owned particle k [kg/m^3].
+  /// Of owned particle k, by volume of one as thick as the stencil [kg/m^3].
   double density(Index k) const;
   /// Does the critical stretch of bonds differ from one to another?
   bool stretches_vary() const { return regions_ && !regions_->one_stretch(); }

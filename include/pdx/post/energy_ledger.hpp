@@ -12,8 +12,9 @@ struct Energies {
   double contact = 0.0;                                ///< between bodies that touch; elastic too
   double friction = 0.0;                               ///< taken by it so far
   double viscous = 0.0;                                ///< likewise, by damping
+  double supports = 0.0;                               ///< of springs and pins outside the body; elastic too
 
-  double elastic() const { return elements + bonds + interface + points + contact; }
+  double elastic() const { return elements + bonds + interface + points + contact + supports; }
   double taken() const { return dissipated + friction + viscous; } ///< for good
 };
 

@@ -54,8 +54,15 @@ public:
   void add_layout_columns(std::vector<io::Column>& columns) const;
   void add_layout_row(std::vector<double>& row, double converted) const;
   void add_layout_results(double converted, double work);
-  /// Sums per held part and direction of one value per owned component, sets left out [N].
-  std::vector<double> reactions(std::span<const double> force) const;
+  /// Conditions that hold or push, and those that turn.
+  ///@{
+  std::vector<std::string> held_names() const;
+  std::vector<std::string> turned_names() const;
+  ///@}
+  /// Per `held_names` and direction the force on the body [N]; then per `turned_names` its moment about the centre,
+  /// counter-clockwise [N m]. Collective.
+  /// @param force of owned components, those of sets left out   @param local displacement [owned | halo] [m]
+  std::vector<double> reactions(std::span<const double> force, std::span<const double> local) const;
 
   bool grows() const { return scene.model->fracture != nullptr; }
   MPI_Comm comm() const { return comm_; }

@@ -14,6 +14,11 @@ struct Solved {
   std::span<const double> u; ///< local blocks [owned | halo] [m]
 };
 
+/// What the body is made of at a place.
+const law::Elastic& law_at(const Solved& s, const Vector<2>& x);
+/// The same at a tip. Throws UserError where not all in the square with these half sides is of that. Collective.
+const law::Elastic& law_around(const Solved& s, const Vector<2>& tip, double half, const char* option);
+
 std::optional<std::size_t> patch_at(const scene::PatchPlan& plan, const Vector<2>& x);
 
 /// J and modes of a tip by what the options ask for: none if the tip is in no patch. All are collective.

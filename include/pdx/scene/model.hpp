@@ -17,7 +17,14 @@ namespace pdx::scene {
 /// Components a boundary condition holds, for its reaction force.
 struct HeldPart {
   std::string name;
-  std::vector<Index> components; ///< owned, local
+  std::vector<Index> components;   ///< owned, local
+  std::optional<Vector<2>> centre; ///< that it turns about [m]
+};
+
+/// Springs or a pin, as a condition calls them.
+struct NamedSupport {
+  std::string name;
+  const field::Support* term = nullptr; ///< borrowed from system.terms
 };
 
 /// Where friction holds points, of all ranks, by names that are alike on any number of them: `couple::NamedGrip`.
@@ -58,6 +65,7 @@ struct Model {
   couple::Fracture* fracture = nullptr;   ///< borrowed from system.after; null in time or if nothing can break
   std::vector<double> critical_stretch;   ///< per patch [-]; empty if nothing can break
   std::vector<HeldPart> held_parts;
+  std::vector<NamedSupport> supports;   ///< what pushes from outside by a stiffness of its own
   const xfem::CutReport* cut = nullptr; ///< what cracks did to elements; null where there are none
   Index ghosts = 0;                     ///< on all ranks [-]
   std::int64_t material_points = 0;     ///< likewise
@@ -109,53 +117,4 @@ pd::SurfaceCorrection<Dim> in_regions(const options::SceneOptions& options, cons
   if (!options.regions || options.regions->one_elastic()) return surfaces;
   return pd::correct_regions<Dim>(stencil, options.regions, std::move(surfaces));
 }
-
-/// What a condition does to the rows it chooses.
-enum class Acts { held, thrown };
-constexpr const char* word_of(Acts acts)
-{
-  return acts == Acts::held ? "displacement or velocity" : "initial velocity";
-}
-
-/// Enters boundary conditions into a Model: what is held, thrown in or loaded, and what drives that in time.
-class Prescriptions {
-public:
-  /// The rows of the model are numbered. @param options, model outlive this
-  Prescriptions(const options::SceneOptions& options, Model& model);
-
-  /// All conditions, in order: later ones win where something is held, and the reaction is theirs.
-  /// @param rows_of (condition, Acts) -> std::set<Index> of owned rows
-  /// @param add_loads (condition, force of owned components [N]); called where there is a traction or force
-  template <class RowsOf, class AddLoads> void enter(RowsOf&& rows_of, AddLoads&& add_loads)
-  {
-    std::vector<double> force;
-    for (const options::BoundaryCondition& c : options_.conditions) {
-      if (c.holds()) hold(c, rows_of(c, Acts::held));
-      if (c.initial_velocity) throw_in(c, rows_of(c, Acts::thrown));
-      if (!c.traction && !c.body && !c.force) continue;
-      force.assign(static_cast<std::size_t>(model_.system.rows.owned() * dim_), 0.0);
-      add_loads(c, force);
-      load(c, force);
-    }
-    finish();
-  }
-
-private:
-  void hold(const options::BoundaryCondition& c, const std::set<Index>& rows);
-  void throw_in(const options::BoundaryCondition& c, const std::set<Index>& rows);
-  void load(const options::BoundaryCondition& c, std::span<const double> force);
-  void finish();
-
-  struct Held {
-    double value = 0.0; ///< [m] or [m/s]
-    std::size_t condition = 0;
-    bool moves = false; ///< it is a velocity
-  };
-  bool is_set(Index row) const;
-
-  const options::SceneOptions& options_;
-  Model& model_;
-  Index dim_;
-  std::map<Index, Held> values_; // per held component
-};
 } // namespace pdx::scene

@@ -20,6 +20,7 @@ private:
   static PetscErrorCode jacobian(TS, PetscReal time, Vec u, Vec v, Vec a, PetscReal on_v, PetscReal on_a, Mat, Mat,
                                  void* self);
   void add_mass(double factor);
+  void take_mass_off_rollers(std::span<const double> own, double factor);
   void evaluate(double time, std::span<double> a);
   void set_acceleration(const StepOrigin&, std::span<const double> a) override;
   void start(double time, std::span<double> a) override;

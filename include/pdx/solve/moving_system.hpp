@@ -100,6 +100,8 @@ private:
   template <std::size_t Dim> void divide_by_mass(std::span<double> f) const;
   template <std::size_t Dim> void add_squares(std::span<const double> a, double (&sums)[3]) const;
   double held_kinetic() const;
+  void note_rolled(std::span<const double> f);
+  std::span<const field::Roller> rollers_of(Index row) const;
   void load_at(double time);
 
   std::vector<double> inverse_mass_;
@@ -108,6 +110,7 @@ private:
   std::vector<Load> loads_;
   std::vector<double> change_; // owned, only where `let_go` meets ties [m/s^2]
   std::vector<double> held_, held_before_, held_u_before_;
+  std::vector<double> rolled_; // internal force along each roller [N]
   double held_kinetic_before_ = 0.0, work_ = 0.0;
   std::vector<double> busy_; // per Term [s]
   Damped damped_;

@@ -35,11 +35,14 @@ private:
   std::vector<int> moved_terms();
   void keep_steady(const std::vector<int>& moved);
   void hold_weak_rows();
+  void project_rollers();
+  void add_along_rollers(Mat matrix, double factor) const;
   Block diagonal_block(Index row) const;
 
   const field::System& system_;
   bool assembled_;
   MatHandle sparse_, shell_;
+  MatHandle projector_;                 // onto what no roller holds; none without rollers
   MatHandle steady_;                    // sum of the Terms that did not change lately; none before something changed
   std::vector<std::uint8_t> in_steady_; // per Term
   std::vector<std::int64_t> revisions_; // of the Terms at the last update

@@ -30,10 +30,23 @@ TEST(Shown, OfALongPathTheEndIsKept)
   EXPECT_TRUE(path.starts_with("...a") && path.ends_with("/case.opts")) << path;
 }
 
-TEST(Shown, AMessageIsOneLineOfLessThan400Characters)
+TEST(Shown, AMessageIsOneLineOfAtMost640Characters)
 {
   EXPECT_EQ(as_one_line("two\nlines"), "two\\x0alines");
-  const std::string line = as_one_line(std::string(300, 'a') + std::string(300, 'b') + "give another");
-  EXPECT_LT(line.size(), 390u);
+  const std::string line = as_one_line(std::string(500, 'a') + std::string(500, 'b') + "give another");
+  EXPECT_LE(line.size(), 640u);
   EXPECT_TRUE(line.starts_with("aaa") && line.ends_with("give another")) << line;
+}
+
+TEST(Shown, ALongMessageIsCutBetweenWords)
+{
+  const std::string ours(620, 'x'); // the longest of ours stay whole
+  EXPECT_EQ(as_one_line(ours), ours);
+  std::string words;
+  for (int k = 1000; words.size() < 1000; ++k) words += "word" + std::to_string(k) + " ";
+  const std::string line = as_one_line(words);
+  const std::size_t cut = line.find(" ... ");
+  ASSERT_NE(cut, std::string::npos);
+  EXPECT_EQ(line.substr(cut - 8, 4), "word") << line;
+  EXPECT_EQ(line.substr(cut + 5, 4), "word") << line;
 }
