@@ -87,6 +87,19 @@ MIXED = BODIES | {
     "-pd_horizon_ratio": "3",
     "-pd_critical_stretch": "0.01",
 }
+# The same two in space, the first held at its left, with a block of particles beside the middle.
+SPACE = {key: value for key, value in BODIES.items()} | {
+    "-material_plane": "solid",
+    "-material_poisson": "0.25",
+    "-mpm_one_box": "0,0,0,0.8,0.4,0.4",
+    "-mpm_one_velocity": "1,0,0",
+    "-mpm_two_box": "1,0,0,1.8,0.4,0.4",
+    "-bc_left_displacement": "0,0,0",
+    "-pd_patches": "0.4,0,0,0.6,0.4,0.2",
+    "-pd_spacing": "0.1",
+    "-pd_horizon_ratio": "3",
+    "-pd_critical_stretch": "0.01",
+}
 # 10 x 8 particles 0.1 m apart from a file, those of the left column in set 1; moved at the left, pulled at the top.
 CLOUD = {key: value for key, value in PLATE.items() if not key.startswith(("-bc_", "-mesh_"))} | {
     "-pd_cloud": "{dir}/good.csv",
@@ -166,7 +179,7 @@ def on(base):
     return lambda name, pattern, **change: Case(name, {f"-{key}": value for key, value in change.items()}, pattern, base)
 
 
-plate, patch, solid, points, mixed = map(on, (PLATE, PATCH, SOLID, BODIES, MIXED))
+plate, patch, solid, points, mixed, space = map(on, (PLATE, PATCH, SOLID, BODIES, MIXED, SPACE))
 heat, quench, table = map(on, (HEAT, QUENCH, TABLE))
 
 
@@ -517,6 +530,29 @@ CASES = [
     plate("a format without fields", r"-output_format vtkhdf\b.*-output_fields", output_format="vtkhdf"),
     plate("output interval zero", r"-output_interval\b.*0.*at least 1", output_interval="0"),
     plate("output interval not whole", r"-output_interval\b.*1\.5.*whole", output_interval="1.5"),
+    # --- points beside particles in space
+    space("a plane patch in space", r"-pd_patches has 4 numbers\b.*six", pd_patches="0.2,0,0.6,0.4"),
+    space("a box in space upside down", r"-pd_patches is 0\.6,0,0,0\.2\b.*lower corner", pd_patches="0.6,0,0,0.2,0.4,0.4"),
+    space("a box that cuts cells in space", r"-pd_patches\b.*\(0\.3, 0, 0\).*whole cells\b.*0\.2 m", pd_patches="0.3,0,0,0.6,0.4,0.4"),
+    space("a box in two bodies in space", r"-pd_patches\b.*whole cells of one body", pd_patches="0.6,0,0,1.2,0.4,0.4"),
+    space("particles at a held side in space", r"-pd_patches: the cell of one at \(0, 0, 0\) is held", pd_patches="0,0,0,0.2,0.4,0.4"),
+    space("particles finer than points in space", r"-pd_patches: the cell of one\b.*-pd_spacing", pd_spacing="0.05"),
+    space("particles of another material in space", r"-pd_patches: the cell of one\b.*-material_young", mpm_one_young="2e9"),
+    space("particles in a round border in space", r"-pd_patches: the cell of one\b.*not full of points", mpm_one_box=None,
+          mpm_one_sphere="0.2,0.2,0.2,0.2", bc_names=None, bc_left_of=None, bc_left_on=None, bc_left_displacement=None,
+          pd_patches="0,0,0,0.4,0.4,0.4"),
+    space("a handshake in space", r"-material_plane solid\b.*-mpm_coupling handshake", mpm_coupling="handshake"),
+    space("handing back in space", r"-material_plane solid\b.*-adapt_hand_back", adapt="expand", adapt_trigger="stretch",
+          adapt_hand_back="10"),
+    space("relocation in space", r"-material_plane solid\b.*-adapt expand", adapt="relocate"),
+    space("mass for a face in space", r"-material_plane solid\b.*-couple_face_mass", couple_face_mass="1"),
+    space("a crack in points in space", r"-material_plane solid\b.*-crack_names", crack_names="a", crack_a_points="0,0.2,0.4,0.2"),
+    space("implicit steps of particles in space", r"-material_plane solid\b.*-analysis explicit", analysis="implicit",
+          contact="none", ts_dt="1e-6"),
+    space("a grid made anew beside particles in space", r"-material_plane solid\b.*-mpm_formulation total",
+          mpm_formulation="updated"),
+    space("elements in space", r"-material_plane solid\b.*no elements", mesh_lower="2,0", mesh_upper="2.8,0.4", mesh_cells="4,2"),
+    space("all of points as particles in space", r"-pd_patches all\b.*boxes", pd_patches="all"),
     # --- solids
     solid("solid of elements", r"-material_plane solid\b.*-pd_patches all", pd_patches=None, pd_spacing=None,
           mesh_cells="4,4"),
@@ -710,6 +746,7 @@ GOOD = [
     Case("two bodies of points", {}, "", BODIES),
     Case("points beside elements and particles", {}, "", MIXED),
     Case("points that may become particles", {"-adapt": "expand", "-adapt_trigger": "connection,stretch"}, "", MIXED),
+    Case("points beside particles in space", {}, "", SPACE),
     Case("bodies of points in touch", {"-mpm_two_box": "0.8,0,1.6,0.4"}, "", BODIES),
     Case("traction and displacement on one boundary", {"-bc_left_traction": "0,1e5"}, "", PLATE),
 ]
