@@ -129,6 +129,10 @@ FILES = {
     + f"$Elements\n6\n{SIDES}3 2 2 3 1 1 2 5\n4 2 2 3 1 1 5 4\n5 2 2 3 1 2 3 6\n6 2 2 3 1 2 6 5\n$EndElements\n",
     "truncated.msh": GMSH_HEAD + NODES + f"$Elements\n4\n{SIDES}3 3 2 3",
     "no_nodes.msh": GMSH_HEAD,
+    # A lower right half that is missing: three squares of the plate, an L.
+    "l.msh": GMSH_HEAD
+    + "$Nodes\n8\n1 0 0 0\n2 0.5 0 0\n3 0 0.5 0\n4 0.5 0.5 0\n5 1 0.5 0\n6 0 1 0\n7 0.5 1 0\n8 1 1 0\n$EndNodes\n$Elements\n5\n"
+    + "1 1 2 1 1 6 1\n2 1 2 2 2 5 8\n3 3 2 3 1 1 2 4 3\n4 3 2 3 1 3 4 7 6\n5 3 2 3 1 4 5 8 7\n$EndElements\n",
     "garbage.msh": "This is a letter, not a mesh.\nIt has two lines.\n",
     "empty.msh": "",
     "no_dash.opts": "-mesh_cells 4,4\nmaterial_young 1e9\n",
@@ -324,6 +328,8 @@ CASES = [
     patch("patch outside the mesh", r"-pd_patches\b.*(outside|inside|mesh)", pd_patches="2,2,3,3"),
     patch("patch half outside the mesh", r"-pd_patches\b.*(outside|inside|mesh)", pd_patches="0.5,0.25,1.5,0.75"),
     patch("patch that cuts elements", r"-pd_patches\b.*(element|cell|edge)", pd_patches="0.3,0.25,0.75,0.75"),
+    Case("patch that reaches out of an L", {"-mesh_file": "{dir}/l.msh", "-pd_patches": "0,0,1,1", "-pd_spacing": "0.05"},
+         r"-pd_patches: patch 1\b.*where there are no elements: only 75 %.*several boxes", FILE),
     patch("patch without width", r"-pd_patches\b", pd_patches="0.25,0.25,0.25,0.75"),
     patch("patch inside out", r"-pd_patches\b", pd_patches="0.75,0.75,0.25,0.25"),
     patch("three numbers for a patch", r"-pd_patches\b.*3", pd_patches="0.25,0.25,0.75"),
@@ -374,6 +380,8 @@ CASES = [
     plate("place without a point force", r"-bc_right_at\b.*-bc_right_force\b", bc_right_at="0.5,0.5"),
     plate("body force on a boundary", r"-bc_right_on\b.*body.*-bc_right_box\b", bc_right_traction=None,
           bc_right_body="1,0"),
+    plate("a point that is to be held", r"-bc_right_at is the place of a point force\b.*-bc_right_box", bc_right_traction=None,
+          bc_right_on=None, bc_right_displacement="0,0", bc_right_at="0.5,0.5"),
     plate("point force on a boundary", r"-bc_right_on\b.*-bc_right_at\b", bc_right_traction=None,
           bc_right_force="1,0", bc_right_at="0.5,0.5"),
     plate("no condition at all", r"-bc_names\b|-bc_\w*displacement", bc_names=None, bc_left_on=None,
@@ -495,7 +503,7 @@ CASES = [
     seed("a spacing above the elements at a tip", r"-pd_spacing is 0\.4\b.*nearest that fits is 0\.25", pd_spacing="0.4"),
     seed("a spacing that fits one side of elements", r"-pd_spacing is 0\.04\b.*0\.25 and 0\.2 m.*fits is 0\.05",
          mesh_cells="4,5", pd_spacing="0.04"),
-    seed("no spacing divides elements at tips", r"-pd_spacing is missing\b.*0\.0192308", mesh_cells="9,13", pd_spacing=None),
+    seed("no spacing divides elements at tips", r"-pd_spacing is missing\b.*0\.0192308.*0\.0769231 to 0\.111111 m", mesh_cells="9,13", pd_spacing=None),
     seed("seeds of particles beyond number", r"-pd_spacing is 1e-09\b.*more than", pd_spacing="1e-9"),
     seed("seeds at another Poisson's ratio", r"-material_poisson is 0\.2\b", material_poisson="0.2", pd_spacing=None),
     seed("seeds with a length of moving patches", r"-adapt_critical_length\b.*-adapt expand", adapt_critical_length="0.1"),
