@@ -92,6 +92,10 @@ void judge(const BoundaryCondition& c)
     if (c.displacement[a] && c.velocity[a])
       throw UserError(fmt::format("{0}_velocity holds what {0}_displacement holds already: write free for one", stem));
   judge_support(c, stem);
+  if (c.at && !c.force && !c.pin)
+    throw UserError(fmt::format("{0}_at is the place of a point force: give {0}_force fx,fy, or hold what lies on a "
+                                "boundary {0}_on or in a {0}_box",
+                                stem));
   if ((c.holds() || c.traction) && c.on.empty() && !c.box && !c.set && c.of.empty())
     throw UserError(fmt::format("{0}: no place given: name a boundary with {0}_on, or a box with {0}_box (of a cloud: "
                                 "a box or {0}_set)",
@@ -104,8 +108,6 @@ void judge(const BoundaryCondition& c)
     throw UserError(
         fmt::format("{0}_traction needs edges: name their boundary with {0}_on (and cut it with {0}_box)", stem));
   if (c.force && !c.at && !is_cloud()) throw UserError(fmt::format("{0}_force needs a place: give {0}_at x,y", stem));
-  if (c.at && !c.force && !c.pin)
-    throw UserError(fmt::format("{0}_at is the place of a point force: give {0}_force fx,fy", stem));
   if (!c.on.empty() && !c.holds() && !c.traction && !c.initial_velocity && !c.springs)
     throw UserError(fmt::format("{0}_on is {1}: a body force acts everywhere or in {0}_box, a point force at {0}_at; "
                                 "drop {0}_on",

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/adapt/scene_view.hpp"
+#include "pdx/adapt/space_view.hpp"
 #include "pdx/fem/corner_areas.hpp"
 #include "pdx/scene/layout.hpp"
 #include "pdx/scene/patches.hpp"
@@ -50,6 +51,8 @@ public:
   {
     throw std::logic_error("a scene without patches that move");
   } ///< likewise
+  /// The same of points and particles in space; null where there is no such scene.
+  virtual const adapt::SpaceView* space() const { return nullptr; }
   /// Another layout on the same mesh takes the place of this one. Collective.
   virtual void change(const Layout&) { throw std::logic_error("a scene without patches that move"); }
   virtual std::vector<std::string> warnings() { return {}; }
