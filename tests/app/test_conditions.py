@@ -259,6 +259,27 @@ class Pins(program.ProgramTest):
                 self.assertLess(one.summary["results"]["energy_drift_ratio"], 2e-2)
 
 
+class Restarts(program.ProgramTest):
+    def test_supports_go_on_from_a_checkpoint(self):
+        options = SQUARE | {
+            "-analysis": "explicit", "-material_density": f"{RHO}", "-ts_dt": "2e-5", "-bc_names": "slope,springs,turned,pin,pull",
+            "-bc_slope_on": "bottom", "-bc_slope_box": "-1,-1,0.9,1", "-bc_slope_roller": "1,2", "-bc_springs_on": "top", "-bc_springs_spring": "1e9,1e8",
+            "-bc_turned_on": "right", "-bc_turned_turn": "1e-3", "-bc_turned_centre": "1,2", "-bc_turned_history": "ramp",
+            "-bc_turned_history_width": "2e-3", "-bc_pin_pin": "0.2", "-bc_pin_at": "-0.201,0.5", "-bc_pin_velocity": "2,0",
+            "-bc_pin_history_expression": "sin(1e3*t)", "-bc_pull_body": "0,1e6", "-pd_patches": "0.25,0.25,0.75,0.75", "-pd_spacing": "0.0625",
+            "-pd_horizon_ratio": "3", "-output_fields": "", "-output_interval": "1000", "-output_history_interval": "1"}  # fmt: skip
+        whole = self.solve(options | {"-ts_max_time": "2e-3"})
+        half = self.solve(options | {"-ts_max_time": "2e-3", "-ts_max_steps": "50", "-checkpoint_interval": "50"})
+        for ranks in (1, 2):
+            on = self.solve(options | {"-ts_max_time": "2e-3", "-restart": str(half.directory / "checkpoint.h5")}, ranks)
+            self.assert_same_displacement(whole, on, 1e-11)
+            last, other = whole.history()[-1], on.history()[-1]
+            for name in ("work", "energy_supports", "reaction_slope_x", "reaction_springs_y", "reaction_pin_x", "moment_turned"):
+                self.assertAlmostEqual(last[name], other[name], delta=1e-9 * max(abs(last["work"]), abs(last[name])), msg=name)
+        self.assertGreater(max(row["reaction_pin_x"] for row in whole.history()), 0)
+        self.assertLess(whole.summary["results"]["energy_drift_ratio"], 1e-2)
+
+
 class Formulas(program.ProgramTest):
     def test_a_plate_moved_by_a_formula_is_where_it_says(self):
         formula = "min(t/1e-3, 1)*sin(2*pi*t/1e-3) + 0.5*(t/1e-3)^2"

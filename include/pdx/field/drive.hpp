@@ -18,7 +18,7 @@ struct Drive {
   History history;
   std::vector<Index> components; ///< local: row * dim + direction, each once
   std::vector<double> values;
-  double turn = 0.0;          ///< [rad]
-  std::vector<double> across; ///< of what turns [m]
+  double turn = 0.0;            ///< [rad]
+  std::vector<double> across{}; ///< of what turns [m]
 };
 } // namespace pdx::field

@@ -14,8 +14,8 @@ template <int Dim> struct GridHold {
   geom::Box<Dim> box; ///< [m]
   int axis = 0;
   std::function<double(double time)> velocity; ///< [m/s]
-  std::optional<Vector<Dim>> along;            ///< unit vector, instead of the axis
-  std::function<double(double time)> spin;     ///< of what turns in the plane; none: nothing turns [1/s]
+  std::optional<Vector<Dim>> along{};          ///< unit vector, instead of the axis
+  std::function<double(double time)> spin{};   ///< of what turns in the plane; none: nothing turns [1/s]
   Vector<2> centre = Vector<2>::Zero();        ///< about that [m]
 
   /// The velocity that a node is held at, when that of others is `shift` and what turns does so at `turn`.
