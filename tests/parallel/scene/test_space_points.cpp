@@ -7,9 +7,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-using namespace pdx;
-
-namespace {
+namespace pdx::space_points_test {
 constexpr Index kCells = 10; // of the unit cube, per side: coordinates are kept as decimals
 constexpr double kCell = 1.0 / kCells;
 constexpr double kSmall = 1e-12; // strain: what is not linear is as small
@@ -131,7 +129,6 @@ Tensor<3> gradient(std::initializer_list<double> rows)
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.begin());
 }
 const std::vector<geom::Box<3>> kBlock{cells({4, 3, 3}, {8, 7, 6})}, kSlab{cells({4, 0, 0}, {7, kCells, kCells})};
-} // namespace
 
 // mpm.md section 2, 7e-13 in the plane: a uniform strain along the axes leaves no force, whatever cells are particles.
 TEST(SpacePoints, UniformStrainIsInBalance)
@@ -245,3 +242,4 @@ TEST(SpacePoints, BulkAsksByWhatItBears)
               static_cast<std::size_t>(kCells * kCells * (1 + margin + std::min(margin, 1)) - (margin == 2 ? 16 : 0)));
   }
 }
+} // namespace pdx::space_points_test
