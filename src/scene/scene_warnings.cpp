@@ -44,6 +44,20 @@ std::string static_warning(const options::SceneOptions& options)
   return {};
 }
 
+/// What turns by a finite angle strains where strains are linear.
+std::string turn_warning(const options::SceneOptions& options)
+{
+  constexpr double little = 1e-3; // strain
+  if (options.kinematics != options::Kinematics::small) return {};
+  for (const options::BoundaryCondition& c : options.conditions)
+    if (const double strain = c.turn ? 1.0 - std::cos(std::min(std::abs(*c.turn), 2.0)) : 0.0; strain > little)
+      return fmt::format(
+          "-bc_{}_turn is {:.3g} rad, which strains what it turns by {:.2g} with -kinematics small: give "
+          "finite, or a smaller angle",
+          c.name, *c.turn, strain);
+  return {};
+}
+
 /// Points that rest are left out in explicit steps only.
 std::string rest_warning(const options::SceneOptions& options)
 {
@@ -127,7 +141,7 @@ std::string table_warning(const options::SceneOptions& options)
 std::vector<std::string> option_warnings(const options::SceneOptions& options)
 {
   std::vector<std::string> lines{time_warning(options), static_warning(options), rest_warning(options),
-                                 load_warning(options), table_warning(options)};
+                                 turn_warning(options), load_warning(options),   table_warning(options)};
   if (options.solid)
     for (const options::BoundaryCondition& c : options.conditions) lines.push_back(third_warning(c));
   const std::vector<std::string> of_regions = options::region_warnings(options);

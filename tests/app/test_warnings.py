@@ -130,6 +130,8 @@ class Warnings(program.ProgramTest):
             ({"-bc_load_traction": "1e13,0"}, r"the largest displacement is [\d.e+]+ m and the body 1 m: small strains"),
             ({"-bc_load_traction": "0,0"}, "nothing loads or moves the body"),
             ({"-ts_max_time": "1"}, "-ts_max_time acts in time and changes nothing in statics"),
+            ({"-bc_clamp_displacement": None, "-bc_clamp_turn": "10deg", "-bc_clamp_centre": "0,0", "-bc_load_traction": "0,0"},
+             r"-bc_clamp_turn is 0\.175 rad, which strains what it turns by 0\.015 with -kinematics small"),
             ({"-post_section": "x"}, "-post_section tells when sections break in time, and changes nothing in statics"),
         ):
             with self.subTest(change):
