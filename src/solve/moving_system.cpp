@@ -44,6 +44,7 @@ MovingSystem::MovingSystem(field::System& given)
       set = (set - v[static_cast<std::size_t>(t.row) * dim + d]) / t.factor;
     }
   loose_ = loose_halves();
+  inverse_mass_.reserve(mass.size());
   for (const double m : mass) inverse_mass_.push_back(1.0 / m);
   for (const field::Drive& drive : system.drives)
     if (const std::vector<double> none(drive.components.size(), 0.0); drive.kind == field::Drive::Kind::force)
@@ -287,9 +288,15 @@ void MovingSystem::book(double length)
 std::array<double, 3> MovingSystem::momentum(std::span<const double> velocity) const
 {
   const auto dim = static_cast<std::size_t>(system.rows.dim);
+  std::array<double, 3> sum{};
+  if (ties_.empty()) {
+    for (std::size_t row = 0; row < mass.size(); ++row)
+      for (std::size_t d = 0; d < dim; ++d) sum[d] += mass[row] * velocity[row * dim + d];
+    MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);
+    return sum;
+  }
   std::vector<double> inertia(velocity.size(), 0.0);
   add_inertia(velocity, inertia);
-  std::array<double, 3> sum{};
   const auto sets = static_cast<std::size_t>(system.rows.nodes),
              particles = sets + static_cast<std::size_t>(system.rows.enriched);
   for (std::size_t row = 0; row < mass.size(); ++row) // all rows move alike where the body does, and no set opens
