@@ -5,9 +5,9 @@ usage: bench.py [--executable build/release/pdxsolve] [--rounds 5] [--out out/be
 Parts without cracks: speed, size, ranks, pareto. With cracks: coupled and direct (coupled against particles only, default
 and direct solver), statics (elements eliminated or kept, relocation, ranks), run (dcb row 3), sequence (a crack that grows from solve to solve), notch_pareto,
 beam_pareto. In time: kernels (of bonds), elements (their kernels), carried (bonds to elements against those between
-particles), program (whole runs, one and two ranks), pulse_pareto, scaling (on 1, 2, 4 ... ranks up to --ranks; PDX_LAUNCH
-says what starts them, see scaling.py), points (material points: kernels and program), peers (a plate in LAMMPS, where it is
-installed).
+particles), layout (a change of it), program (whole runs, one and two ranks), pulse_pareto, scaling (on 1, 2, 4 ... ranks up
+to --ranks; PDX_LAUNCH says what starts them, see scaling.py), points (material points: kernels and program), peers (a plate
+in LAMMPS, where it is installed).
 The two sides of a ratio run in turn, round after round; the quoted numbers are medians. One-rank runs are pinned to a
 core. Writes bench.json, table.md and pictures into the output directory.
 """
@@ -132,7 +132,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/bench")
     parser.add_argument("--only", default="speed,size,ranks,pareto,coupled,direct,statics,run,sequence,notch_pareto,beam_pareto,"
-                        "kernels,elements,carried,program,pulse_pareto,scaling,points,peers")
+                        "kernels,elements,carried,layout,program,pulse_pareto,scaling,points,peers")
     parser.add_argument("--increments", type=int, default=StaticBench.increments, help="statics: of dcb while it grows (%(default)s)")
     parser.add_argument("--package", default="cholmod", help="direct: -pc_factor_mat_solver_type of both sides")
     parser.add_argument("--ranks", type=int, default=cores(), help="scaling: the most (%(default)s)")

@@ -42,6 +42,7 @@ class Bench:
             if done.returncode and not may_fail:
                 sys.exit(f"{' '.join(command)}\nfailed: {done.stderr}")
             summary = pdxtools.read_summary(directory)
+            summary["user_seconds"] = after.ru_utime - before.ru_utime
             if ranks == 1 and not wall:  # processor time: what other processes took of the core is not the solver's
                 busy = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
                 share = min(1.0, busy / elapsed)

@@ -35,6 +35,24 @@ CARRIED = {
     "kalthoff_winkler, points": ["-options_file", "cases/kalthoff_winkler/points.opts", "-output_fields", "false"],
 }
 
+# A cell far from patch and crack changes hands every few steps, in plates around the same patch.
+CELL = 0.05 / 49  # side of an element of cases/central_crack [m]
+AWAY = 15  # cells from the middle to the one that changes hands
+PLATES = {"1 x": 49, "4 x": 99, "16 x": 197}  # elements along a side; odd, so that the patch fits
+BEGIN, CHANGED, EVERY = 20, 200, 5  # steps before any change, with changes, from one to the next
+
+
+def changing(cells, steps, every=0):
+    """cases/central_crack in a plate of cells x cells elements; with `every`, one of them changes hands so often."""
+    half = 0.5 * cells * CELL
+    scene = ["-options_file", "cases/central_crack/coupled.opts", "-options_file", "cases/central_crack/pulled.opts",
+             "-mesh_cells", f"{cells},{cells}", "-mesh_lower", f"{-half!r},{-half!r}", "-mesh_upper", f"{half!r},{half!r}",
+             "-output_history_interval", "1000000", "-ts_max_steps", str(steps)]
+    if every:
+        lower, upper = (AWAY - 0.501) * CELL, (AWAY + 0.501) * CELL
+        scene += ["-layout_renew_interval", str(every), "-layout_renew_box", f"{lower!r},{lower!r},{upper!r},{upper!r}"]
+    return scene
+
 
 def pulse(variant, mesh):
     """The plate with rollers in elements of 10 mm / mesh, to the time at which the error is read."""
@@ -146,6 +164,25 @@ class MotionBench(Bench):
             self.results[f"carried {name}"] = {"share": share, "seconds": statistics.median(spent)}
             rows.append([name, f"{statistics.median(spent):.3f}", f"**{share:.3f}** (goal 0.1)"])
         self.table("Carried bonds, forces of explicit steps", ["scene", "carried bonds [s]", "over the lattice's"], rows)
+
+    def layout(self):
+        """Processor time of a change of layout far from all else over that of a step, as the plate grows."""
+        rows = []
+        for ranks in (1, 2):
+            for name, cells in PLATES.items():
+                steps, changes = [], []
+                for _ in range(self.rounds):
+                    runs = [self.run(changing(cells, *how), ranks)
+                            for how in ((BEGIN,), (BEGIN + CHANGED,), (BEGIN + CHANGED, EVERY))]
+                    short, whole, changed = (run["user_seconds"] / ranks for run in runs)
+                    steps.append((whole - short) / CHANGED)
+                    changes.append((changed - whole) / runs[2]["relocations"])
+                step, change = statistics.median(steps), statistics.median(changes)
+                ratio = statistics.median(c / s for c, s in zip(changes, steps))
+                self.results[f"layout {name}, {ranks} ranks"] = {"step": step, "change": change, "ratio": ratio}
+                rows.append([f"{name}, {cells}²", ranks, f"{1e3 * step:.2f}", f"{1e3 * change:.2f}", f"**{ratio:.1f}** (goal 3)"])
+        self.table("A cell far from the patch of cases/central_crack changes hands: processor time per rank",
+                   ["elements", "ranks", "a step [ms]", "a change [ms]", "in steps"], rows)
 
     def stable_step(self, scene):
         """The program's own choice without -ts_dt: 0.9 of the limit [s]."""

@@ -163,6 +163,7 @@ private:
     const NoStop whole; // the next step or load sees a signal that comes now
     std::optional<mesh::MeasuredCosts> costs;
     if (uneven_) costs = balance_.costs(files_.scene, driver());
+    scene_.foresee(change_);
     change::TimeScene::Moment moment = scene_.moment(change_, recorder_.leave_scene(driver()));
     const double length = moment.clock.length;
     if (!change_.empty()) ++files_.summary.relocations;
@@ -176,6 +177,7 @@ private:
       if (driver().step_length() < length) recorder_.tell_shorter(driver(), length, scene_.limits().rigorous);
     }
     recorder_.take_scene(scene_.standing(), driver(), cracks);
+    scene_.settle();
     if (checkpoints_) checkpoints_->take_scene(files_.scene, scene_.layout(), scene_.dormant(), recorder_);
     files_.layout_seconds += MPI_Wtime() - begin;
     if (!uneven_) return;

@@ -1,6 +1,7 @@
 #include "pdx/change/time_scene.hpp"
 
 #include "pdx/adapt/space_conversion.hpp"
+#include "pdx/base/gather.hpp"
 #include "pdx/solve/explicit_driver.hpp"
 #include "pdx/solve/implicit_driver.hpp"
 #include "pdx/solve/kept_momentum.hpp"
@@ -47,7 +48,9 @@ TimeScene::Moment TimeScene::moment(const adapt::LayoutChange& change,
   now.known = now.state.rows.size();
   if (change.empty()) return now;
   now.momentum = driver_->moving().momentum(driver_->v());
-  now.angular = solve::angular_momentum(driver_->moving(), driver_->local(), driver_->v());
+  const field::System& system = driver_->moving().system;
+  if (system.rows.dim == 2 && !any_rank(system.rows.comm, !system.prescribed.components.empty()))
+    now.angular = solve::angular_momentum(driver_->moving(), driver_->local(), driver_->v());
   std::vector<double> v;
   driver_->moving().system.halo->fetch(driver_->v(), driver_->moving().system.rows.dim, v);
   const std::span<const double> fields[] = {driver_->local(), v};

@@ -4,211 +4,108 @@
 #include "pdx/couple/carried_runs.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
 
 namespace pdx::couple {
-/// Dense tangent of consecutive bonds that share their first point: one small matrix per insertion.
-template <int Dim> struct CarriedBonds<Dim>::Panel {
-  std::vector<Index> rows;
-  std::vector<double> values;
-
-  std::size_t place(Index row)
-  {
-    const auto at = std::find(rows.begin(), rows.end(), row);
-    if (at == rows.end()) rows.push_back(row);
-    return static_cast<std::size_t>(at - rows.begin());
-  }
-  void size_values() { values.assign(rows.size() * rows.size() * Dim * Dim, 0.0); }
-  void add(std::size_t r, std::size_t c, double factor, const Tensor<Dim>& block)
-  {
-    const std::size_t width = rows.size() * Dim;
-    for (std::size_t a = 0; a < Dim; ++a)
-      for (std::size_t b = 0; b < Dim; ++b)
-        values[(r * Dim + a) * width + c * Dim + b] +=
-            factor * block(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
-  }
-};
-
 template <int Dim>
 CarriedBonds<Dim>::CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> points, std::vector<CarriedBond<Dim>> bonds,
                                 pd::Kinematics kinematics, bool symmetric)
-    : rows_(rows), points_(std::move(points)), bonds_(std::move(bonds)), kinematics_(kinematics), symmetric_(symmetric)
+    : rows_(rows), kept_(1, false), kinematics_(kinematics), symmetric_(symmetric)
 {
-  rest_.reserve(bonds_.size());
-  gone_.reserve(bonds_.size());
-  for (const CarriedBond<Dim>& bond : bonds_) {
-    const double length = bond.xi.norm();
-    rest_.push_back({bond.xi / length, length});
-    gone_.push_back(bond.cut);
-  }
-  saved_ = gone_;
+  families_.push_back(std::make_unique<Family>(rows, std::move(points), std::move(bonds), kinematics, symmetric));
 }
 
-template <int Dim> CarriedBonds<Dim>::~CarriedBonds() = default;
+template <int Dim>
+CarriedBonds<Dim>::CarriedBonds(const field::Rows& rows, Families families,
+                                std::shared_ptr<const field::RowShift> shift, pd::Kinematics kinematics, bool symmetric)
+    : rows_(rows), families_(std::move(families)), shift_(std::move(shift)), kinematics_(kinematics),
+      symmetric_(symmetric)
+{
+  for (const auto& family : families_) kept_.push_back(family->bound());
+  left_out_ = kept_;
+}
 
 template <int Dim> void CarriedBonds<Dim>::needed_rows(std::vector<PetscInt>& rows) const
 {
-  rows.insert(rows.end(), points_.all_rows().begin(), points_.all_rows().end());
+  for (std::size_t f = 0; f < families_.size(); ++f)
+    if (!kept_[f])
+      families_[f]->needed_rows(rows);
+    else
+      for (const Index row : families_[f]->used_rows())
+        if (row >= shift_->before().rows().owned()) rows.push_back((*shift_)(shift_->before().global(row)));
 }
 
-template <int Dim>
-Vector<Dim> CarriedBonds<Dim>::stretch_vector(const CarriedBond<Dim>& bond, std::span<const double> d) const
+template <int Dim> void CarriedBonds<Dim>::bind(const field::RowHalo& halo)
 {
-  Vector<Dim> eta;
-  for (std::size_t k = 0; k < Dim; ++k)
-    eta[static_cast<Eigen::Index>(k)] =
-        d[static_cast<std::size_t>(bond.b) * Dim + k] - d[static_cast<std::size_t>(bond.a) * Dim + k];
-  return eta;
+  std::vector<Index> theirs, now;
+  for (std::size_t f = 0; f < families_.size(); ++f)
+    if (!kept_[f])
+      families_[f]->bind(halo);
+    else
+      for (const Index row : families_[f]->used_rows())
+        if (row >= shift_->before().rows().owned()) theirs.push_back(row);
+  if (!shift_) return;
+  now = shift_->local_rows(halo, theirs);
+  for (std::size_t f = 0; f < families_.size(); ++f)
+    if (kept_[f]) families_[f]->move_rows(rows_, now, static_cast<Index>(f));
+  shift_.reset();
 }
 
-/// At displacements d of the points.
-template <int Dim>
-law::BondState<Dim> CarriedBonds<Dim>::state_of(std::size_t number, std::span<const double> d,
-                                                pd::Kinematics kinematics) const
+template <int Dim> void CarriedBonds<Dim>::step_explicitly()
 {
-  return state_of(number, stretch_vector(bonds_[number], d), kinematics);
+  for (const auto& family : families_) family->step_explicitly();
 }
 
-template <int Dim>
-law::BondState<Dim> CarriedBonds<Dim>::state_of(std::size_t number, const Vector<Dim>& eta,
-                                                pd::Kinematics kinematics) const
+template <int Dim> void CarriedBonds<Dim>::swell(const field::FreeStrain& strain)
 {
-  const Rest& rest = rest_[number];
-  if (kinematics == pd::Kinematics::finite)
-    return law::finite_state<Dim>(bonds_[number].xi, rest.length, eta, free_strain(number));
-  return {rest.along.dot(eta) / rest.length - free_strain(number), rest.along, 0.0};
+  for (const auto& family : families_) family->swell(strain);
 }
 
-/// A bond that several ranks evaluate is counted by the owner of the first row at its first end.
+template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> u, std::span<double> r) const
+{
+  static Event event("couple_force");
+  const Timed timed(event);
+  for (const auto& family : families_) family->add_residual(u, r);
+}
+
 template <int Dim> double CarriedBonds<Dim>::energy(std::span<const double> u) const
 {
   double total = 0.0;
-  const auto add = [&](std::size_t number, const Vector<Dim>& eta) {
-    const CarriedBond<Dim>& bond = bonds_[number];
-    if (gone_[number] || !counted(bond)) return;
-    total += law::bond_energy(bond.kappa, rest_[number].length, state_of(number, eta, kinematics_).stretch);
-  };
-  if (!runs_) {
-    points_.spread(u, spread_);
-    for (std::size_t number = 0; number < bonds_.size(); ++number) add(number, stretch_vector(bonds_[number], spread_));
-    return total;
-  }
-  const auto add_one = [&](std::size_t number) {
-    add(number, points_.displacement(bonds_[number].b, u) - points_.displacement(bonds_[number].a, u));
-  };
-  refresh_lanes();
-  for (const CarriedLanes<Dim>& lanes : lanes_) std::ranges::for_each(lanes.numbers(), add_one);
-  std::ranges::for_each(others_, add_one);
-  return total + runs_->energy(processor_, kinematics_ == pd::Kinematics::finite, u);
+  for (std::size_t f = 0; f < families_.size(); ++f)
+    if (f >= left_out_.size() || !left_out_[f]) total += families_[f]->energy(u);
+  return total;
+}
+
+template <int Dim> void CarriedBonds<Dim>::linearise(std::span<const double> u)
+{
+  for (const auto& family : families_) family->linearise(u);
+}
+
+template <int Dim> void CarriedBonds<Dim>::couplings(field::Couplings& couplings, bool whole) const
+{
+  for (const auto& family : families_) family->couplings(couplings, whole);
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_jacobian(field::BlockAdder& adder, bool whole) const
+{
+  static Event event("couple_jacobian");
+  const Timed timed(event);
+  for (const auto& family : families_) family->add_jacobian(adder, whole);
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_stiffness_bound(std::span<double> blocks) const
+{
+  for (const auto& family : families_) family->add_stiffness_bound(blocks);
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_mass(std::span<double> mass) const
+{
+  for (const auto& family : families_) family->add_mass(mass);
 }
 
 template <int Dim>
 void CarriedBonds<Dim>::add_energy_density(std::span<const double> u, std::span<double> density) const
 {
-  points_.spread(u, spread_);
-  for (std::size_t number = 0; number < bonds_.size(); ++number) {
-    const CarriedBond<Dim>& bond = bonds_[number];
-    const Index particle = points_.rows(bond.a).front();
-    if (gone_[number] || bond.energy_share == 0.0 || particle >= rows_.owned()) continue;
-    const double stretch = state_of(number, spread_, kinematics_).stretch;
-    density[static_cast<std::size_t>(particle)] += 0.5 * law::bond_energy(bond.kappa, bond.energy_share, stretch);
-  }
-}
-
-template <int Dim> void CarriedBonds<Dim>::linearise(std::span<const double> u) { points_.spread(u, state_); }
-
-/// Visits the bonds in groups [begin, end) that share point a, with the rows at their ends and where their forces act.
-template <int Dim> template <class Visit> void CarriedBonds<Dim>::for_each_group(Visit&& visit) const
-{
-  Panel panel;
-  for (std::size_t begin = 0, end = 0; begin < bonds_.size(); begin = end) {
-    panel.rows.clear();
-    for (end = begin; end < bonds_.size() && bonds_[end].a == bonds_[begin].a; ++end)
-      for (const Index point : {bonds_[end].a, bonds_[end].b, bonds_[end].force_a, bonds_[end].force_b})
-        for (const Index row : points_.rows(point)) panel.place(row);
-    visit(panel, begin, end);
-  }
-}
-
-template <int Dim> void CarriedBonds<Dim>::couplings(field::Couplings& couplings, bool) const
-{
-  std::map<Index, std::vector<Index>> columns; // of owned rows, with repeats
-  for_each_group([&](const Panel& panel, std::size_t, std::size_t) {
-    for (const Index row : panel.rows) {
-      if (row >= rows_.owned()) continue;
-      auto& list = columns[row];
-      list.insert(list.end(), panel.rows.begin(), panel.rows.end());
-    }
-  });
-  for (auto& [row, list] : columns) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-    for (const Index column : list) couplings.add(row, column);
-  }
-}
-
-/// d(force rows)/d(displacement rows): with eta = sum_k g_k u_k the block of rows (k, l) is gF_k g_l K.
-template <int Dim> void CarriedBonds<Dim>::add_jacobian(field::BlockAdder& adder, bool) const
-{
-  static Event event("couple_jacobian");
-  Timed timed(event);
-  for_each_group([&](Panel& panel, std::size_t begin, std::size_t end) {
-    panel.size_values();
-    for (std::size_t k = begin; k < end; ++k) {
-      if (gone_[k]) continue;
-      const CarriedBond<Dim>& bond = bonds_[k];
-      const law::BondState<Dim> state = kinematics_ == pd::Kinematics::finite
-                                            ? state_of(k, state_, kinematics_)
-                                            : law::BondState<Dim>{0.0, rest_[k].along, 0.0};
-      const Tensor<Dim> stiffness = law::bond_stiffness<Dim>(bond.kappa, rest_[k].length, state);
-      for (const auto& [force_point, force_sign] : {std::pair{bond.force_a, -1.0}, std::pair{bond.force_b, 1.0}})
-        for (std::size_t f = 0; f < points_.rows(force_point).size(); ++f)
-          for (const auto& [point, sign] : {std::pair{bond.a, -1.0}, std::pair{bond.b, 1.0}})
-            for (std::size_t c = 0; c < points_.rows(point).size(); ++c)
-              panel.add(panel.place(points_.rows(force_point)[f]), panel.place(points_.rows(point)[c]),
-                        force_sign * points_.weights(force_point)[f] * sign * points_.weights(point)[c], stiffness);
-    }
-    adder.add(panel.rows, panel.rows, panel.values);
-  });
-}
-
-template <int Dim> void CarriedBonds<Dim>::add_stiffness_bound(std::span<double> blocks) const
-{
-  if (!symmetric_) throw std::logic_error("carried bonds: no bound on the stiffness, the tangent is not symmetric");
-  for (std::size_t number = 0; number < bonds_.size(); ++number) {
-    if (gone_[number]) continue;
-    const CarriedBond<Dim>& bond = bonds_[number];
-    const auto& [along, length] = rest_[number];
-    const Tensor<Dim> stiffness = bond.kappa / length * along * along.transpose();
-    for (const Index point : {bond.a, bond.b}) {
-      const std::span<const double> weights = points_.tied_weights(point);
-      double sum = 0.0;
-      for (const double c : weights) sum += std::abs(c);
-      for (std::size_t k = 0; k < weights.size(); ++k) {
-        const Index row = points_.rows(point)[k];
-        if (row >= rows_.owned()) continue;
-        double* block = blocks.data() + static_cast<std::size_t>(row) * Dim * Dim;
-        Eigen::Map<Tensor<Dim>>{block} += 2.0 * sum * std::abs(weights[k]) * stiffness; // symmetric: in either order
-      }
-    }
-  }
-}
-
-template <int Dim>
-template <class Visit>
-void CarriedBonds<Dim>::for_each_overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules,
-                                               Visit&& visit) const
-{
-  points_.spread(u, spread_);
-  for (std::size_t number = 0; number < bonds_.size(); ++number) {
-    const CarriedBond<Dim>& bond = bonds_[number];
-    if (gone_[number] || bond.no_fail) continue;
-    const pd::BreakRule& rule = rules[static_cast<std::size_t>(bond.patch)];
-    const double s = state_of(number, spread_, rule.kinematics).stretch;
-    if (s > rule.critical_stretch * bond.stretch) visit(number, s);
-  }
+  for (const auto& family : families_) family->add_energy_density(u, density);
 }
 
 template <int Dim>
@@ -216,133 +113,92 @@ pd::Broken CarriedBonds<Dim>::break_bonds(std::span<const double> u, std::span<c
                                           field::ForceLosses* losses)
 {
   pd::Broken broken;
-  for_each_overstretched(u, rules, [&](std::size_t number, double stretch) {
-    const CarriedBond<Dim>& bond = bonds_[number];
-    gone_[number] = 1;
-    ++revision_;
-    if (losses) note_force(number, rules[static_cast<std::size_t>(bond.patch)].kinematics, *losses);
-    if (counted(bond)) broken += {1, law::bond_energy(bond.kappa, rest_[number].length, stretch)};
-  });
+  for (const auto& family : families_) broken += family->break_bonds(u, rules, losses);
   return broken;
-}
-
-/// What a bond pulls the owned rows of its hosts with, at the displacement spread last.
-template <int Dim>
-void CarriedBonds<Dim>::note_force(std::size_t number, pd::Kinematics kinematics, field::ForceLosses& losses) const
-{
-  const CarriedBond<Dim>& bond = bonds_[number];
-  const law::BondState<Dim> state = state_of(number, spread_, kinematics);
-  const Vector<Dim> pull = bond.kappa * state.stretch * state.direction;
-  for (const auto& [point, sign] : {std::pair{bond.force_a, -1.0}, std::pair{bond.force_b, 1.0}})
-    for (std::size_t k = 0; k < points_.rows(point).size(); ++k) {
-      const Index row = points_.rows(point)[k];
-      if (row >= rows_.owned()) continue;
-      for (int d = 0; d < Dim; ++d) losses.push_back({row * Dim + d, sign * points_.weights(point)[k] * pull[d]});
-    }
 }
 
 template <int Dim> void CarriedBonds<Dim>::watch(std::span<const pd::BreakRule> rules)
 {
-  limits_.clear();
-  lanes_revision_ = -1;
-  for (const pd::BreakRule& rule : rules) limits_.push_back(rule.critical_stretch);
+  for (const auto& family : families_) family->watch(rules);
+}
+
+template <int Dim> bool CarriedBonds<Dim>::overstretched_seen() const
+{
+  return std::ranges::any_of(families_, [](const auto& family) { return family->overstretched_seen(); });
 }
 
 template <int Dim>
 void CarriedBonds<Dim>::overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules,
                                       std::vector<double>& ratios) const
 {
-  for_each_overstretched(u, rules, [&](std::size_t number, double stretch) {
-    const CarriedBond<Dim>& bond = bonds_[number];
-    const double critical = rules[static_cast<std::size_t>(bond.patch)].critical_stretch * bond.stretch;
-    if (counted(bond)) ratios.push_back(stretch / critical);
-  });
-}
-
-/// Of the particles that have bonds here, summed up anew only after bonds broke.
-template <int Dim> const std::vector<std::pair<Index, pd::BondedVolume>>& CarriedBonds<Dim>::volumes() const
-{
-  if (volumes_revision_ == revision_) return volumes_;
-  volumes_revision_ = revision_;
-  volumes_.clear();
-  for (std::size_t number = 0; number < bonds_.size(); ++number) {
-    const CarriedBond<Dim>& bond = bonds_[number];
-    if (bond.volume == 0.0 || !counted(bond)) continue;
-    const Index row = points_.rows(bond.a).front();
-    if (volumes_.empty() || volumes_.back().first != row) volumes_.push_back({row, {}});
-    pd::BondedVolume& volume = volumes_.back().second;
-    volume.whole += bond.volume;
-    if (!bond.cut) volume.start += bond.volume;
-    if (!gone_[number]) volume.now += bond.volume;
-  }
-  return volumes_;
-}
-
-namespace {
-void add_up(pd::BondedVolume& sum, const pd::BondedVolume& more)
-{
-  sum.whole += more.whole;
-  sum.start += more.start;
-  sum.now += more.now;
-}
-} // namespace
-
-template <int Dim> void CarriedBonds<Dim>::add_bonded_volume(std::span<pd::BondedVolume> sums) const
-{
-  for (const auto& [row, volume] : volumes()) add_up(sums[static_cast<std::size_t>(row)], volume);
-}
-
-template <int Dim> void CarriedBonds<Dim>::add_bonded_volume(Index row, pd::BondedVolume& sum) const
-{
-  const auto of_row = std::ranges::equal_range(volumes(), row, {}, [](const auto& entry) { return entry.first; });
-  for (const auto& entry : of_row) add_up(sum, entry.second);
-}
-
-template <int Dim> void CarriedBonds<Dim>::add_thinned(std::vector<Index>& rows) const
-{
-  for (const auto& [row, volume] : volumes())
-    if (volume.start != volume.now) rows.push_back(row);
+  for (const auto& family : families_) family->overstretched(u, rules, ratios);
 }
 
 template <int Dim> std::vector<std::uint64_t> CarriedBonds<Dim>::broken() const
 {
   std::vector<std::uint64_t> keys;
-  for (std::size_t k = 0; k < bonds_.size(); ++k)
-    if (gone_[k] && !bonds_[k].cut && counted(bonds_[k])) keys.push_back(bonds_[k].key);
+  for (const auto& family : families_) {
+    const std::vector<std::uint64_t> more = family->broken();
+    keys.insert(keys.end(), more.begin(), more.end());
+  }
   return keys;
 }
 
 template <int Dim> void CarriedBonds<Dim>::set_broken(std::span<const std::uint64_t> keys)
 {
-  ++revision_;
-  for (std::size_t k = 0; k < bonds_.size(); ++k)
-    gone_[k] = bonds_[k].cut || std::ranges::binary_search(keys, bonds_[k].key);
+  for (std::size_t f = 0; f < families_.size(); ++f)
+    if (!kept_[f]) families_[f]->set_broken(keys);
+}
+
+template <int Dim> void CarriedBonds<Dim>::save()
+{
+  for (const auto& family : families_) family->save();
+}
+
+template <int Dim> void CarriedBonds<Dim>::restore()
+{
+  for (const auto& family : families_) family->restore();
+}
+
+template <int Dim> std::int64_t CarriedBonds<Dim>::revision() const
+{
+  std::int64_t all = 0; // each of them only grows
+  for (const auto& family : families_) all += family->revision();
+  return all;
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_bonded_volume(std::span<pd::BondedVolume> volumes) const
+{
+  for (const auto& family : families_) family->add_bonded_volume(volumes);
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_thinned(std::vector<Index>& rows) const
+{
+  for (const auto& family : families_) family->add_thinned(rows);
+}
+
+template <int Dim> void CarriedBonds<Dim>::add_bonded_volume(Index row, pd::BondedVolume& volume) const
+{
+  for (const auto& family : families_) family->add_bonded_volume(row, volume);
 }
 
 template <int Dim> void CarriedBonds<Dim>::add_joints(std::vector<std::array<Index, 2>>& pairs) const
 {
-  constexpr double kNothing = 1e-9; // a weight
-  for (std::size_t number = 0; number < bonds_.size(); ++number) {
-    if (gone_[number]) continue;
-    const CarriedBond<Dim>& bond = bonds_[number];
-    Index first = -1;
-    for (const Index point : {bond.a, bond.b, bond.force_a, bond.force_b}) {
-      const auto rows = points_.rows(point);
-      const auto weights = points_.tied_weights(point);
-      for (std::size_t k = 0; k < rows.size(); ++k) {
-        if (std::abs(weights[k]) < kNothing) continue;
-        if (first < 0) first = rows[k];
-        if (first != rows[k]) pairs.push_back({first, rows[k]});
-      }
-    }
-  }
+  for (const auto& family : families_) family->add_joints(pairs);
+}
+
+template <int Dim> std::size_t CarriedBonds<Dim>::size() const
+{
+  std::size_t all = 0;
+  for (const auto& family : families_) all += family->size();
+  return all;
 }
 
 template <int Dim> std::int64_t CarriedBonds<Dim>::bonds() const
 {
-  std::int64_t count = 0;
-  for (std::size_t k = 0; k < bonds_.size(); ++k) count += !gone_[k] && counted(bonds_[k]);
-  return count;
+  std::int64_t all = 0;
+  for (const auto& family : families_) all += family->bonds();
+  return all;
 }
 
 template class CarriedBonds<2>;

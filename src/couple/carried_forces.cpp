@@ -1,5 +1,4 @@
-#include "pdx/base/events.hpp"
-#include "pdx/couple/carried_bonds.hpp"
+#include "pdx/couple/carried_family.hpp"
 #include "pdx/couple/carried_runs.hpp"
 
 #include <algorithm>
@@ -7,14 +6,21 @@
 
 // How carried bonds are laid out for their forces: in runs, in lanes, or one by one.
 namespace pdx::couple {
-template <int Dim> void CarriedBonds<Dim>::bind(const field::RowHalo& halo)
+template <int Dim> void CarriedFamily<Dim>::bind(const field::RowHalo& halo)
 {
   points_.bind(halo);
   laid_out_ = false;
+  bound_ = true;
+  std::vector<bool> uses(static_cast<std::size_t>(halo.size()), false);
+  for (const Index row : points_.all_rows()) uses[static_cast<std::size_t>(row)] = true;
+  used_.clear();
+  for (std::size_t row = 0; row < uses.size(); ++row)
+    if (uses[row]) used_.push_back(static_cast<Index>(row));
 }
 
-template <int Dim> void CarriedBonds<Dim>::add_mass(std::span<double> mass) const
+template <int Dim> void CarriedFamily<Dim>::add_mass(std::span<double> mass) const
 {
+  if (!hands_) return;
   for (const CarriedBond<Dim>& bond : bonds_) {
     if (bond.handed == 0.0) continue;
     for (const auto& [point, sign] : {std::pair{bond.a, -1.0}, std::pair{bond.b, 1.0}})
@@ -24,8 +30,9 @@ template <int Dim> void CarriedBonds<Dim>::add_mass(std::span<double> mass) cons
   }
 }
 
-template <int Dim> void CarriedBonds<Dim>::step_explicitly()
+template <int Dim> void CarriedFamily<Dim>::step_explicitly()
 {
+  if (runs_) return;
   std::vector<RunBond<Dim>> along_sides;
   along_sides.reserve(bonds_.size());
   for (std::size_t number = 0; number < bonds_.size(); ++number) {
@@ -39,13 +46,13 @@ template <int Dim> void CarriedBonds<Dim>::step_explicitly()
 }
 
 /// Most bonds go from a particle to a point of an edge or an element, and act where they stretch.
-template <int Dim> bool CarriedBonds<Dim>::starts_at_row(const CarriedBond<Dim>& bond) const
+template <int Dim> bool CarriedFamily<Dim>::starts_at_row(const CarriedBond<Dim>& bond) const
 {
   return bond.force_a == bond.a && bond.force_b == bond.b && points_.rows(bond.a).size() == 1 &&
          points_.weights(bond.a)[0] == 1.0;
 }
 
-template <int Dim> void CarriedBonds<Dim>::swell(const field::FreeStrain& strain)
+template <int Dim> void CarriedFamily<Dim>::swell(const field::FreeStrain& strain)
 {
   PDX_ASSERT(!runs_);
   const bool first = free_.empty();
@@ -56,7 +63,7 @@ template <int Dim> void CarriedBonds<Dim>::swell(const field::FreeStrain& strain
   if (first) laid_out_ = false;
 }
 
-template <int Dim> void CarriedBonds<Dim>::fill_lanes() const
+template <int Dim> void CarriedFamily<Dim>::fill_lanes() const
 {
   laid_out_ = true;
   std::vector<bool> in_run(bonds_.size(), false);
@@ -82,7 +89,7 @@ template <int Dim> void CarriedBonds<Dim>::fill_lanes() const
 
 /// Stiffness of what is intact, and the limits of those who watch, a little early: whether bonds break is judged one by
 /// one.
-template <int Dim> void CarriedBonds<Dim>::refresh_lanes() const
+template <int Dim> void CarriedFamily<Dim>::refresh_lanes() const
 {
   if (!laid_out_) fill_lanes();
   if (lanes_revision_ == revision_) return;
@@ -101,7 +108,7 @@ template <int Dim> void CarriedBonds<Dim>::refresh_lanes() const
 }
 
 /// Earlier still: points in runs are the same but for the rounding of weights.
-template <int Dim> void CarriedBonds<Dim>::refresh_runs() const
+template <int Dim> void CarriedFamily<Dim>::refresh_runs() const
 {
   constexpr double kEarly = 1.0 - 1e-9;
   runs_->set_stiffness(
@@ -113,10 +120,8 @@ template <int Dim> void CarriedBonds<Dim>::refresh_runs() const
   });
 }
 
-template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> u, std::span<double> r) const
+template <int Dim> void CarriedFamily<Dim>::add_residual(std::span<const double> u, std::span<double> r) const
 {
-  static Event event("couple_force");
-  Timed timed(event);
   refresh_lanes();
   const bool finite = kinematics_ == pd::Kinematics::finite;
   overstretched_seen_ = runs_ && runs_->add_forces(processor_, finite, u, r);
@@ -136,12 +141,12 @@ template <int Dim> void CarriedBonds<Dim>::add_residual(std::span<const double> 
   }
 }
 
-template void CarriedBonds<2>::bind(const field::RowHalo&);
-template void CarriedBonds<3>::bind(const field::RowHalo&);
-template void CarriedBonds<2>::swell(const field::FreeStrain&);
-template void CarriedBonds<3>::swell(const field::FreeStrain&);
-template void CarriedBonds<2>::step_explicitly();
-template void CarriedBonds<3>::step_explicitly();
-template void CarriedBonds<2>::add_residual(std::span<const double>, std::span<double>) const;
-template void CarriedBonds<3>::add_residual(std::span<const double>, std::span<double>) const;
+template void CarriedFamily<2>::bind(const field::RowHalo&);
+template void CarriedFamily<3>::bind(const field::RowHalo&);
+template void CarriedFamily<2>::swell(const field::FreeStrain&);
+template void CarriedFamily<3>::swell(const field::FreeStrain&);
+template void CarriedFamily<2>::step_explicitly();
+template void CarriedFamily<3>::step_explicitly();
+template void CarriedFamily<2>::add_residual(std::span<const double>, std::span<double>) const;
+template void CarriedFamily<3>::add_residual(std::span<const double>, std::span<double>) const;
 } // namespace pdx::couple

@@ -21,18 +21,13 @@ Site<2> stepped(Site<2> site, const Site<2>& step, int sign)
 }
 
 /// A bond before the rows of particles of other ranks are known. `site` >= 0: the end `a` is that particle.
-struct Draft {
+struct Draft : CarriedBond<2> {
   Index site = -1;
   PetscInt row = -1; // global row of the particle, -1 while unknown
   Index other = -1;  // a particle at the end `b`, and its row
   PetscInt other_row = -1;
-  Index a = -1, b = -1, force_a = -1, force_b = -1; // carried points; none of `a` where a particle is
-  Vector<2> xi = Vector<2>::Zero(), from = Vector<2>::Zero();
-  double kappa = 0.0, energy_share = 0.0, volume = 0.0, handed = 0.0;
-  bool cut = false, no_fail = false;
-  double stretch = 1.0;
-  std::uint64_t key = 0;
-  Leaving leaves;
+
+  Draft() { a = b = force_a = force_b = -1; } // none of `a` where a particle is
 };
 
 /// What carries the ends of a bond, and what the points where its force acts; null where a particle is.
@@ -327,36 +322,24 @@ pd::Exists<2> family_of(const Surroundings& around, const pd::Stencil<2>& stenci
 
 std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const CouplingOptions& options,
                                              std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
-                                             std::span<const Surroundings> around)
+                                             std::span<const Surroundings> around, KeptFamilies kept)
 {
   static Event event("couple_bonds");
   Timed timed(event);
-  CarriedPoints<2> points;
-  std::vector<CarriedBond<2>> bonds;
+  const bool symmetric = options.scheme != Scheme::interface;
+  kept.families.resize(parts.size());
   for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (kept.families[p]) continue;
+    CarriedPoints<2> points;
+    std::vector<CarriedBond<2>> bonds;
     std::vector<Draft> drafts = Drafter(rows, options, *parts[p], around[p], points).write();
     complete(drafts, *parts[p]);
-    bonds.reserve(bonds.size() + drafts.size());
+    bonds.reserve(drafts.size());
     PetscInt last_row = -1;
     Index last_point = -1;
     for (const Draft& draft : drafts) {
-      CarriedBond<2> bond;
-      bond.xi = draft.xi;
-      bond.from = draft.from;
-      bond.kappa = draft.kappa;
-      bond.energy_share = draft.energy_share;
-      bond.volume = draft.volume;
-      bond.handed = draft.handed;
-      bond.cut = draft.cut;
-      bond.no_fail = draft.no_fail;
-      bond.stretch = draft.stretch;
+      CarriedBond<2> bond = draft;
       bond.patch = static_cast<int>(p);
-      bond.key = draft.key;
-      bond.leaves = draft.leaves;
-      bond.a = draft.a;
-      bond.force_a = draft.force_a;
-      bond.b = draft.b;
-      bond.force_b = draft.force_b;
       if (draft.site >= 0) {
         if (draft.row != last_row) last_point = points.add(Host::of_row(draft.row));
         last_row = draft.row;
@@ -365,9 +348,11 @@ std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const Coup
       if (draft.other >= 0) bond.b = bond.force_b = points.add(Host::of_row(draft.other_row));
       bonds.push_back(bond);
     }
+    kept.families[p] =
+        std::make_unique<CarriedFamily<2>>(rows, std::move(points), std::move(bonds), options.kinematics, symmetric);
   }
-  return std::make_unique<CarriedBonds<2>>(rows, std::move(points), std::move(bonds), options.kinematics,
-                                           options.scheme != Scheme::interface);
+  return std::make_unique<CarriedBonds<2>>(rows, std::move(kept.families), std::move(kept.shift), options.kinematics,
+                                           symmetric);
 }
 
 Index count_ghosts(std::span<const Surroundings> around, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts)

@@ -35,6 +35,11 @@ Surroundings::find_outside(const ElementView& scene, std::span<const Surrounding
   std::vector<geom::Box<2>> bounds; // of all sites that are looked at
   for (const Surroundings& patch : patches) {
     const geom::Lattice<2>& lattice = patch.shape_.lattice;
+    if (patch.known_) { // nothing is looked at
+      near.emplace_back();
+      bounds.emplace_back();
+      continue;
+    }
     near.push_back(patch.shape_.active.grown(patch.band_));
     const Site<2>&lower = near.back().lower(), &upper = near.back().upper();
     bounds.push_back({lattice.point({lower[0] - 1, lower[1] - 1}), lattice.point(upper)});
@@ -45,7 +50,7 @@ Surroundings::find_outside(const ElementView& scene, std::span<const Surrounding
     const Vector<2> upper = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]).cwiseMax(corners[3]);
     for (std::size_t p = 0; p < patches.size(); ++p) {
       const PatchShape& shape = patches[p].shape_;
-      if (mesh.patch(c) == static_cast<int>(p) || mesh.body(c) != shape.body) continue;
+      if (patches[p].known_ || mesh.patch(c) == static_cast<int>(p) || mesh.body(c) != shape.body) continue;
       if ((lower.array() > bounds[p].upper.array()).any() || (upper.array() < bounds[p].lower.array()).any()) continue;
       mesh::for_each_site(mesh, c, shape.lattice, patches[p].band_, [&](const Site<2>& site, const Vector<2>& x) {
         if (shape.active.has(site) || !near[p].has(site)) return;
@@ -92,7 +97,9 @@ void Surroundings::find_edges(const ElementView& scene, std::span<const Surround
     return static_cast<std::int64_t>(std::min(a, b)) << 32 | static_cast<std::int64_t>(std::max(a, b));
   };
   std::unordered_map<std::int64_t, Index> behind; // edge -> element on the other side, -1 for none
-  const auto covered = mesh.cells(mesh::Use::covered);
+  std::vector<Index> covered;                     // by patches that are new
+  for (const Index c : mesh.cells(mesh::Use::covered))
+    if (!patches[static_cast<std::size_t>(mesh.patch(c))].known_) covered.push_back(c);
   std::vector<std::uint8_t> corner(static_cast<std::size_t>(mesh.vertices()), 0); // of a covered cell
   for (const Index c : covered)
     for (std::size_t a = 0; a < 4; ++a) {
@@ -124,10 +131,16 @@ void Surroundings::find_edges(const ElementView& scene, std::span<const Surround
 
 std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span<const PatchShape> patches, Index band,
                                                std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets,
-                                               const crack::CrackSet* seams, bool hosts)
+                                               const crack::CrackSet* seams, bool hosts,
+                                               std::vector<std::optional<Surroundings>> known)
 {
   std::vector<Surroundings> all;
-  for (const PatchShape& shape : patches) all.push_back(Surroundings(shape, band));
+  all.reserve(patches.size());
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const bool is_known = p < known.size() && known[p];
+    all.push_back(is_known ? std::move(*known[p]) : Surroundings(patches[p], band));
+    all.back().known_ = is_known;
+  }
   for (Surroundings& around : all) {
     around.cracks_ = sets ? &sets->cracks() : nullptr;
     around.seams_ = seams;
@@ -139,7 +152,8 @@ std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span
   outside = gather_all(mesh.comm(), outside);
   holders = gather_all(mesh.comm(), holders);
   find_edges(scene, all, edges);
-  for (Surroundings& around : all) around.hosts_.resize(hosts ? 0 : 1);
+  for (Surroundings& around : all)
+    if (!around.known_) around.hosts_.resize(hosts ? 0 : 1);
   for (std::size_t k = 0; k < outside.size(); ++k) {
     Surroundings& around = all[static_cast<std::size_t>(outside[k].patch)];
     if (hosts) around.hosts_.push_back(holders[k]);
@@ -148,10 +162,22 @@ std::vector<Surroundings> Surroundings::survey(const mesh::Mesh& mesh, std::span
   for (const EdgeRecord& record : gather_all(mesh.comm(), edges))
     all[static_cast<std::size_t>(record.patch)].sides_[static_cast<std::size_t>(record.side)].edges.push_back(
         record.edge);
-  for (Surroundings& around : all)
+  for (Surroundings& around : all) {
+    if (around.known_) continue;
     for (Side& side : around.sides_)
       std::sort(side.edges.begin(), side.edges.end(), [](const Edge& a, const Edge& b) { return a.begin < b.begin; });
-  for (Surroundings& around : all) around.find_free_ends();
+  }
+  for (Surroundings& around : all)
+    if (!around.known_) around.find_free_ends();
   return all;
+}
+
+void Surroundings::move_rows(const field::RowShift& shift)
+{
+  for (Side& side : sides_)
+    for (Edge& edge : side.edges)
+      for (auto* rows : {&edge.rows, &edge.sets})
+        for (PetscInt& row : *rows)
+          if (row >= 0) row = shift(row);
 }
 } // namespace pdx::couple

@@ -66,7 +66,8 @@ void ElasticTerm::keep_stiffness()
 void ElasticTerm::needed_rows(std::vector<PetscInt>& rows) const
 {
   for (const Index c : cells_)
-    for (const Index v : body_.mesh.cell(c)) rows.push_back(node_rows_[static_cast<std::size_t>(v)]);
+    for (const Index v : body_.mesh.cell(c))
+      if (v >= body_.mesh.owned_vertices()) rows.push_back(node_rows_[static_cast<std::size_t>(v)]);
 }
 
 void ElasticTerm::bind(const field::RowHalo& halo)

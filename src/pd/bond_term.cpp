@@ -3,6 +3,8 @@
 #include "pdx/base/events.hpp"
 #include "pdx/law/bond_force.hpp"
 
+#include <algorithm>
+
 namespace pdx::pd {
 template <int Dim>
 BondTerm<Dim>::BondTerm(std::vector<std::unique_ptr<LatticePart<Dim>>> parts, Kinematics kinematics, bool assembled)
@@ -10,9 +12,31 @@ BondTerm<Dim>::BondTerm(std::vector<std::unique_ptr<LatticePart<Dim>>> parts, Ki
 {
   for (const auto& part : parts_) {
     scratch_.push_back(part->window());
-    if (kinematics_ == Kinematics::finite) state_.push_back(part->window());
     part->forget_factors();
   }
+}
+
+template <int Dim>
+BondTerm<Dim>::BondTerm(Parts parts, Kinematics kinematics)
+    : parts_(std::move(parts.parts)), kinematics_(kinematics), assembled_(false)
+{
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    Laid& laid = parts.laid[p];
+    kept_.push_back(laid.strip != nullptr);
+    scratch_.push_back(kept_[p] ? std::move(laid.scratch) : parts_[p]->window());
+    strips_.push_back(std::move(laid.strip));
+    parts_[p]->forget_factors();
+  }
+  left_out_ = kept_;
+  if (std::ranges::none_of(kept_, [](bool is) { return is; })) strips_.clear();
+}
+
+template <int Dim> typename BondTerm<Dim>::Parts BondTerm<Dim>::give_up()
+{
+  Parts given{std::move(parts_), {}};
+  for (std::size_t p = 0; p < given.parts.size(); ++p)
+    given.laid.push_back({std::move(strips_[p]), std::move(scratch_[p])});
+  return given;
 }
 
 template <int Dim> void BondTerm<Dim>::needed_rows(std::vector<PetscInt>& rows) const
@@ -69,9 +93,10 @@ template <int Dim> std::vector<double> BondTerm<Dim>::energy_density(std::span<c
 template <int Dim> double BondTerm<Dim>::energy(std::span<const double> u) const
 {
   double total = 0.0;
-  for (const auto& strip : strips_) {
-    strip->load(u);
-    total += strip->energy();
+  for (std::size_t p = 0; p < strips_.size(); ++p) {
+    if (p < left_out_.size() && left_out_[p]) continue;
+    strips_[p]->load(u);
+    total += strips_[p]->energy();
   }
   if (!strips_.empty()) return total;
   const std::vector<double> density = energy_density(u);
@@ -83,7 +108,10 @@ template <int Dim> double BondTerm<Dim>::energy(std::span<const double> u) const
 
 template <int Dim> void BondTerm<Dim>::linearise(std::span<const double> u)
 {
-  for (std::size_t p = 0; p < state_.size(); ++p) parts_[p]->load(u, state_[p]);
+  for (std::size_t p = 0; p < parts_.size() && kinematics_ == Kinematics::finite; ++p) {
+    if (p == state_.size()) state_.push_back(parts_[p]->window());
+    parts_[p]->load(u, state_[p]);
+  }
 }
 
 template <int Dim> void BondTerm<Dim>::couplings(field::Couplings& couplings, bool whole) const
@@ -179,10 +207,14 @@ template <int Dim> void BondTerm<Dim>::add_mass(std::span<double> mass) const
 
 template <int Dim> void BondTerm<Dim>::add_stiffness_bound(std::span<double> blocks) const
 {
+  constexpr std::size_t size = Dim * Dim;
   std::vector<double> diagonal(blocks.size(), 0.0);
-  for (std::size_t p = 0; p < parts_.size(); ++p)
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    if (is_kept(p)) continue;
     diagonal_blocks<Dim>(parts_[p]->view(scratch_[p]), parts_[p]->force_runs(), diagonal.data());
-  for (std::size_t k = 0; k < blocks.size(); ++k) blocks[k] += 2.0 * diagonal[k];
+    const auto first = static_cast<std::size_t>(parts_[p]->first_row()) * size;
+    for (std::size_t k = first; k < first + parts_[p]->sites().size() * size; ++k) blocks[k] += 2.0 * diagonal[k];
+  }
 }
 
 template <int Dim> void BondTerm<Dim>::weak_rows(std::vector<Index>& rows) const
@@ -196,15 +228,17 @@ template <int Dim> std::int64_t BondTerm<Dim>::cut(const crack::CrackSet& cracks
   static Event event("pd_cut");
   Timed timed(event);
   std::int64_t count = 0;
-  for (const auto& part : parts_) count += part->cut(cracks);
-  take_over_words();
+  for (std::size_t p = 0; p < parts_.size(); ++p)
+    if (!is_kept(p)) count += parts_[p]->cut(cracks);
+  take_over_words(false);
   return count;
 }
 
 template <int Dim> void BondTerm<Dim>::protect(std::span<const geom::Box<2>> boxes)
 {
-  for (const auto& part : parts_) part->protect(boxes);
-  take_over_words();
+  for (std::size_t p = 0; p < parts_.size(); ++p)
+    if (!is_kept(p)) parts_[p]->protect(boxes);
+  take_over_words(false);
 }
 
 template <int Dim> const typename BondTerm<Dim>::Windows& BondTerm<Dim>::load(std::span<const double> u) const
@@ -218,7 +252,7 @@ template <int Dim> Broken BondTerm<Dim>::break_bonds(const Windows& loaded, std:
   Broken broken;
   ++revision_;
   for (std::size_t p = 0; p < parts_.size(); ++p) broken += parts_[p]->break_bonds(loaded[p], rules[p]);
-  take_over_words();
+  take_over_words(true);
   return broken;
 }
 
@@ -238,20 +272,22 @@ template <int Dim> void BondTerm<Dim>::restore()
 {
   ++revision_;
   for (const auto& part : parts_) part->restore();
-  take_over_words();
+  take_over_words(true);
 }
 
-template <int Dim> void BondTerm<Dim>::take_over_words()
+/// @param all not only of what is new here
+template <int Dim> void BondTerm<Dim>::take_over_words(bool all)
 {
-  for (const auto& strip : strips_) strip->take_over_words();
+  for (std::size_t p = 0; p < strips_.size(); ++p)
+    if (strips_[p] && (all || !is_kept(p))) strips_[p]->take_over_words();
 }
 
 template <int Dim> void BondTerm<Dim>::step_explicitly(std::span<const BreakRule> rules, Processor processor)
 {
   PDX_ASSERT(rules.empty() || rules.size() == parts_.size());
-  strips_.clear();
+  strips_.resize(parts_.size());
   for (std::size_t p = 0; p < parts_.size(); ++p) {
-    strips_.push_back(std::make_unique<StripPart<Dim>>(*parts_[p], kinematics_, processor));
+    if (!is_kept(p)) strips_[p] = std::make_unique<StripPart<Dim>>(*parts_[p], kinematics_, processor);
     if (!rules.empty()) strips_[p]->watch(rules[p].critical_stretch);
     strips_[p]->skip_below(at_rest_);
   }

@@ -229,15 +229,49 @@ template <int Dim> void LatticePart<Dim>::collect_halo()
         halo_at_.push_back(j);
       }
   });
-  halo_rows_ = directory_.rows(wanted);
+  halo_rows_ = halo_rows_given_ = directory_.rows(wanted);
+  halo_buffer_.resize(halo_rows_.size() * Dim);
+  connect_halo();
+}
+
+/// Particles count from the first of their rank, so that the exchange outlives their rows.
+template <int Dim> void LatticePart<Dim>::connect_halo()
+{
+  int ranks = 1;
+  MPI_Comm_size(rows_.comm, &ranks);
+  std::vector<Index> first(static_cast<std::size_t>(ranks));
+  MPI_Allgather(&first_row_, 1, MPI_INT, first.data(), 1, MPI_INT, rows_.comm);
   PetscLayout layout = nullptr;
   PDX_CALL(PetscLayoutCreateFromSizes(rows_.comm, rows_.owned(), rows_.total, 1, &layout));
-  PDX_CALL(PetscSFCreate(rows_.comm, halo_sf_.out()));
-  PDX_CALL(PetscSFSetGraphLayout(halo_sf_.get(), layout, static_cast<PetscInt>(halo_rows_.size()), nullptr,
-                                 PETSC_COPY_VALUES, halo_rows_.data()));
-  PDX_CALL(PetscSFSetUp(halo_sf_.get()));
+  std::vector<PetscSFNode> particles;
+  for (const PetscInt row : halo_rows_) {
+    PetscMPIInt rank = 0;
+    PetscInt local = 0;
+    PDX_CALL(PetscLayoutFindOwnerIndex(layout, row, &rank, &local));
+    particles.push_back({rank, local - first[static_cast<std::size_t>(rank)]});
+  }
   PDX_CALL(PetscLayoutDestroy(&layout));
-  halo_buffer_.resize(halo_rows_.size() * Dim);
+  PDX_CALL(PetscSFCreate(rows_.comm, halo_sf_.out()));
+  PDX_CALL(PetscSFSetGraph(halo_sf_.get(), static_cast<PetscInt>(sites_.size()),
+                           static_cast<PetscInt>(particles.size()), nullptr, PETSC_COPY_VALUES, particles.data(),
+                           PETSC_COPY_VALUES));
+  PDX_CALL(PetscSFSetUp(halo_sf_.get()));
+}
+
+template <int Dim>
+void LatticePart<Dim>::move_rows(const field::Rows& rows, Index first_row, SurfaceCorrection<Dim> correction)
+{
+  const Index by = first_row - first_row_;
+  rows_ = rows;
+  first_row_ = first_row;
+  correction_ = std::move(correction);
+  directory_.move(rows.first + first_row);
+  for (std::size_t k = 0; k < halo_rows_.size(); ++k) halo_rows_[k] = directory_.moved(halo_rows_given_[k]);
+  if (by == 0) return;
+  for (Index& row : local_rows_)
+    if (row >= 0) row += by;
+  for (Run& run : segments_) run.row += by;
+  runs_stale_ = true;
 }
 
 template <int Dim> void LatticePart<Dim>::number_halo(const field::RowHalo& halo)
@@ -275,13 +309,14 @@ std::span<const double> LatticePart<Dim>::exchange(std::span<const double> owned
     meanwhile();
     return {};
   }
+  const double* mine = owned.data() + static_cast<std::ptrdiff_t>(first_row_) * Dim;
   {
     Timed timed(event);
-    PDX_CALL(PetscSFBcastBegin(halo_sf_.get(), block_type(Dim), owned.data(), halo_buffer_.data(), MPI_REPLACE));
+    PDX_CALL(PetscSFBcastBegin(halo_sf_.get(), block_type(Dim), mine, halo_buffer_.data(), MPI_REPLACE));
   }
   meanwhile();
   const double begin = MPI_Wtime();
-  PDX_CALL(PetscSFBcastEnd(halo_sf_.get(), block_type(Dim), owned.data(), halo_buffer_.data(), MPI_REPLACE));
+  PDX_CALL(PetscSFBcastEnd(halo_sf_.get(), block_type(Dim), mine, halo_buffer_.data(), MPI_REPLACE));
   waited_ += MPI_Wtime() - begin;
   return halo_buffer_;
 }

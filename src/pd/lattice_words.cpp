@@ -89,6 +89,7 @@ void LatticePart<Dim>::for_each_loss(const Words& before, const Words& after, Vi
 
 template <int Dim> void LatticePart<Dim>::note_loss(std::ptrdiff_t i, std::size_t h)
 {
+  saved_.current = false;
   for (const std::ptrdiff_t end : {i, i + arms_[h].jump})
     if (end < window_size_) {
       traits_[static_cast<std::size_t>(end)] |= kLost;
@@ -218,14 +219,17 @@ template <int Dim> double LatticePart<Dim>::energy_of(std::ptrdiff_t i, std::siz
 
 template <int Dim> void LatticePart<Dim>::save()
 {
+  if (saved_.current) return;
   saved_.words = words_;
   saved_.traits = traits_;
+  saved_.current = true;
 }
 
 template <int Dim> void LatticePart<Dim>::restore()
 {
   words_ = saved_.words;
   traits_ = saved_.traits;
+  saved_.current = true;
   forget_volume();
   runs_stale_ = true;
 }

@@ -1,6 +1,7 @@
 #include "pdx/pd/site_directory.hpp"
 
 #include "pdx/base/exchange.hpp"
+#include "pdx/base/gather.hpp"
 
 namespace pdx::pd {
 namespace {
@@ -39,7 +40,7 @@ Index first_kept(int rank, Index total, int ranks)
 } // namespace
 
 SiteDirectory::SiteDirectory(MPI_Comm comm, Index total_sites, std::span<const Index> sites, PetscInt first_row)
-    : comm_(comm), total_(total_sites)
+    : comm_(comm), total_(total_sites), first_(first_row), count_(static_cast<PetscInt>(sites.size()))
 {
   const int ranks = ranks_of(comm);
   const int rank = rank_of(comm);
@@ -61,7 +62,19 @@ std::vector<PetscInt> SiteDirectory::rows(std::span<const Index> sites) const
   for (const Index site : asked.records) answers.records.push_back(table_[static_cast<std::size_t>(site - first)]);
   const std::vector<PetscInt> sorted = exchange(comm_, answers).records;
   std::vector<PetscInt> rows(sites.size());
-  for (std::size_t k = 0; k < order.size(); ++k) rows[order[k]] = sorted[k];
+  for (std::size_t k = 0; k < order.size(); ++k) rows[order[k]] = sorted[k] < 0 ? -1 : moved(sorted[k]);
   return rows;
+}
+
+void SiteDirectory::move(PetscInt first_row)
+{
+  spans_ = gather_all(comm_, std::vector<Span>{{first_, count_, first_row}});
+}
+
+PetscInt SiteDirectory::moved(PetscInt row) const
+{
+  for (const Span& span : spans_)
+    if (row >= span.given && row < span.given + span.count) return span.now + row - span.given;
+  return row;
 }
 } // namespace pdx::pd

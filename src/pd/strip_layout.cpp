@@ -188,6 +188,12 @@ template <int Dim> void StripPart<Dim>::take_over_words()
   shrink_boxes();
 }
 
+template <int Dim> void StripPart<Dim>::move_rows(Index by)
+{
+  computed_ = skipped_ = 0;
+  for (Piece& piece : pieces_) piece.row += by;
+}
+
 /// The box of each tile: the smallest that has all bonds that start in the tile.
 template <int Dim> void StripPart<Dim>::shrink_boxes()
 {
@@ -269,6 +275,7 @@ template <int Dim> std::vector<std::uint8_t> StripPart<Dim>::around(const std::v
 #define PDX_INSTANTIATE(Dim)                                                                                           \
   template StripPart<Dim>::StripPart(LatticePart<Dim>&, Kinematics, Processor);                                        \
   template void StripPart<Dim>::take_over_words();                                                                     \
+  template void StripPart<Dim>::move_rows(Index);                                                                      \
   template void StripPart<Dim>::watch_tiles();                                                                         \
   template std::vector<std::uint8_t> StripPart<Dim>::around(const std::vector<std::uint8_t>&) const
 PDX_INSTANTIATE(2);

@@ -26,7 +26,7 @@ const EnergyBalance& EnergyLedger::accept(double load, std::span<const double> u
     at_.u[i] = u[i];
   }
   at_.force = std::move(force);
-  double sums[] = {work,         mine.elements, mine.bonds,    mine.interface, mine.dissipated,
+  double sums[] = {work,        mine.elements, mine.bonds,  mine.interface, mine.dissipated,
                    mine.points, mine.supports, mine.contact};
   MPI_Allreduce(MPI_IN_PLACE, sums, 8, MPI_DOUBLE, MPI_SUM, system_.rows.comm);
   at_.balance.work += sums[0];

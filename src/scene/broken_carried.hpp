@@ -22,6 +22,7 @@ public:
   void break_joined(pd::BondTerm<Dim>& bonds, const std::vector<std::uint64_t>& carried) const
   {
     for (std::size_t p = 0; p < bonds.parts().size(); ++p) {
+      if (bonds.is_kept(p)) continue; // knows
       std::vector<typename pd::LatticePart<Dim>::BondAt> within;
       const pd::LatticePart<Dim>& part = *bonds.parts()[p];
       for (const std::uint64_t key : carried) {
@@ -42,7 +43,7 @@ public:
     if (before.carried) broken = *before.carried;
     const std::set<std::uint64_t> parted = parted_bonds(broken);
     std::vector<field::RowName> lower; // ends of the bonds
-    carried.for_each_key([&](std::uint64_t key, Index patch) {
+    carried.for_each_new_key([&](std::uint64_t key, Index patch) {
       const Lattice& lattice = lattices_[static_cast<std::size_t>(patch)];
       const auto [site, arm] = couple::bond_name(key, lattice.names, lattice.stencil);
       if (parted.contains(site * pd::kMaxHalfArms + arm)) broken.push_back(key);

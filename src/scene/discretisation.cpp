@@ -45,8 +45,12 @@ void number_rows(const mesh::Mesh& mesh, bool with_points, Discretisation& d)
   for (std::size_t k = 0; k < d.nodes.size(); ++k)
     d.node_rows[static_cast<std::size_t>(d.nodes[k])] = system.rows.first + static_cast<PetscInt>(k);
   mesh::fill_halo(mesh, MPIU_INT, 1, d.node_rows.data());
-  system.coordinates.reserve(2 * static_cast<std::size_t>(system.rows.owned()));
-  const auto place = [&](const Vector<2>& x) { system.coordinates.insert(system.coordinates.end(), {x[0], x[1]}); };
+  system.coordinates.resize(2 * static_cast<std::size_t>(system.rows.owned()));
+  double* next = system.coordinates.data();
+  const auto place = [&next](const Vector<2>& x) {
+    *next++ = x[0];
+    *next++ = x[1];
+  };
   for (const Index v : d.nodes) place(mesh.point(v));
   if (d.sets) {
     d.sets->number(system.rows.first + system.rows.nodes);
@@ -85,23 +89,29 @@ pd::SurfaceCorrection<2> correction(const options::SceneOptions& options, const 
   return pd::correct_sides(stencil, *plan.sides[patch], std::move(exists), &d.cracks);
 }
 
-std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const options::SceneOptions& options, const PatchPlan& plan,
-                                                            const Discretisation& d)
+pd::BondTerm<2>::Parts make_parts(const options::SceneOptions& options, const PatchPlan& plan, const Discretisation& d,
+                                  Kept* kept)
 {
-  std::vector<std::unique_ptr<pd::LatticePart<2>>> parts;
+  pd::BondTerm<2>::Parts made;
   Index row = d.system.rows.first_particle();
   for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
-    std::vector<Index> sites;
-    for (const pd::Particle& particle : d.particles)
-      if (particle.patch == static_cast<int>(p)) sites.push_back(particle.site);
-    const Index first = row;
-    row += static_cast<Index>(sites.size());
-    parts.push_back(std::make_unique<pd::LatticePart<2>>(
-        d.system.rows, geom::ActiveLattice<2>{plan.shapes[p].lattice, plan.shapes[p].active}, plan.stencils[p],
-        std::move(sites), first, in_regions(options, plan.stencils[p], correction(options, plan, d, p)),
-        options.regions));
+    pd::SurfaceCorrection<2> corrected = in_regions(options, plan.stencils[p], correction(options, plan, d, p));
+    made.laid.emplace_back();
+    if (auto part = kept ? kept->part(p, made.laid.back()) : nullptr) {
+      if (const auto& strip = made.laid.back().strip) strip->move_rows(row - part->first_row());
+      part->move_rows(d.system.rows, row, std::move(corrected));
+      made.parts.push_back(std::move(part));
+    } else {
+      std::vector<Index> sites;
+      for (const pd::Particle& particle : d.particles)
+        if (particle.patch == static_cast<int>(p)) sites.push_back(particle.site);
+      made.parts.push_back(std::make_unique<pd::LatticePart<2>>(
+          d.system.rows, geom::ActiveLattice<2>{plan.shapes[p].lattice, plan.shapes[p].active}, plan.stencils[p],
+          std::move(sites), row, std::move(corrected), options.regions));
+    }
+    row += static_cast<Index>(made.parts.back()->sites().size());
   }
-  return parts;
+  return made;
 }
 
 std::vector<std::size_t> numbers_from_1(std::vector<std::size_t> numbers)
@@ -138,8 +148,6 @@ void add_fracture(const options::SceneOptions& options, const PatchPlan& plan, D
   const options::FractureOptions& f = options.fracture;
   if (!f.active()) return;
   for (const auto& stencil : plan.stencils) d.critical_stretch.push_back(critical_stretch<2>(options, stencil));
-  d.bonds_at_start = d.bonds->bonds() + (d.carried ? d.carried->bonds() : 0);
-  MPI_Allreduce(MPI_IN_PLACE, &d.bonds_at_start, 1, MPI_INT64_T, MPI_SUM, d.system.rows.comm);
   const couple::FractureOptions rule{d.critical_stretch, f.no_fail, f.release, f.release_share,
                                      options.bond_kinematics()};
   if (options.time.dynamic()) {
@@ -151,6 +159,8 @@ void add_fracture(const options::SceneOptions& options, const PatchPlan& plan, D
     d.system.after_step.push_back(std::move(breaker));
     return;
   }
+  d.bonds_at_start = d.bonds->bonds() + (d.carried ? d.carried->bonds() : 0);
+  MPI_Allreduce(MPI_IN_PLACE, &d.bonds_at_start, 1, MPI_INT64_T, MPI_SUM, d.system.rows.comm);
   auto fracture = std::make_unique<couple::Fracture>(*d.bonds, d.carried, rule);
   d.fracture = fracture.get();
   d.system.after.push_back(std::move(fracture));
@@ -172,17 +182,20 @@ crack::CrackSet seams_of(const mesh::Mesh& mesh, const options::SceneOptions& op
 }
 
 void add_peridynamics(const mesh::Mesh& mesh, const options::SceneOptions& options, const PatchPlan& plan,
-                      Discretisation& d, bool assembled)
+                      Discretisation& d, bool assembled, Kept* kept)
 {
   refuse_other_shapes(options, plan);
   Index band = 0;
   for (const auto& stencil : plan.stencils) band = std::max(band, stencil.reach + pd::family_reach<2>(stencil));
   d.seams = seams_of(mesh, options, plan);
+  if (kept) kept->number(d, band);
   d.around =
       couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows, d.sets.get(),
-                                   d.seams.empty() ? nullptr : &d.seams, options.scheme != couple::Scheme::energy);
+                                   d.seams.empty() ? nullptr : &d.seams, options.scheme != couple::Scheme::energy,
+                                   kept ? kept->around() : std::vector<std::optional<couple::Surroundings>>{});
   refuse_coarse_patches(options, plan, d);
-  auto parts = make_parts(options, plan, d);
+  auto made = make_parts(options, plan, d, kept);
+  const auto& parts = made.parts;
   if (d.elements || d.cut_elements || d.points) {
     const couple::CouplingOptions coupling{options.scheme,
                                            options.bond_kinematics(),
@@ -192,12 +205,14 @@ void add_peridynamics(const mesh::Mesh& mesh, const options::SceneOptions& optio
                                            options.face_mass ? options.elastic.density : 0.0,
                                            options.frame,
                                            options.regions.get()};
-    auto carried = couple::carry_bonds(d.system.rows, coupling, parts, d.around);
+    auto carried =
+        couple::carry_bonds(d.system.rows, coupling, parts, d.around, kept ? kept->families() : couple::KeptFamilies{});
     d.carried = carried.get();
     d.system.terms.push_back(std::move(carried));
     if (options.scheme != couple::Scheme::energy) d.ghosts = couple::count_ghosts(d.around, parts);
   }
-  auto bonds = std::make_unique<pd::BondTerm<2>>(std::move(parts), options.bond_kinematics(), assembled);
+  auto bonds = kept ? std::make_unique<pd::BondTerm<2>>(std::move(made), options.bond_kinematics())
+                    : std::make_unique<pd::BondTerm<2>>(std::move(made.parts), options.bond_kinematics(), assembled);
   d.bonds = bonds.get();
   d.system.terms.push_back(std::move(bonds));
   for (const crack::CrackSet* cracks : {&d.cracks, &d.seams})
@@ -230,7 +245,7 @@ void add_elements(const mesh::Mesh& mesh, const options::SceneOptions& options, 
 
 std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::SceneOptions& options,
                                            const PatchPlan& plan, std::vector<pd::Particle> particles, bool assembled,
-                                           const PointPlan<2>* points, const fem::CornerAreas* areas)
+                                           const PointPlan<2>* points, const fem::CornerAreas* areas, Kept* kept)
 {
   auto result = std::make_unique<Discretisation>();
   Discretisation& d = *result;
@@ -244,7 +259,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
     system.scale = std::max(system.scale, options.regions->elastic(k).young * options.regions->elastic(k).thickness);
   add_elements(mesh, options, areas, d);
   if (points) add_points(mesh, options, plan, *points, d);
-  if (!plan.shapes.empty() || options.converts()) add_peridynamics(mesh, options, plan, d, assembled);
+  if (!plan.shapes.empty() || options.converts()) add_peridynamics(mesh, options, plan, d, assembled, kept);
   if (points) add_bodies(mesh, options, d);
   apply_conditions(mesh, options, plan, d);
 

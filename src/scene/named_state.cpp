@@ -19,8 +19,11 @@ std::vector<std::uint64_t> gone_in(const Model& model)
 {
   std::vector<std::uint64_t> words;
   for (const auto& part : model.parts) {
-    const std::vector<std::uint64_t> more = part->gone();
-    words.insert(words.end(), more.begin(), more.end());
+    std::vector<std::uint64_t> more = part->gone();
+    if (words.empty())
+      words = std::move(more);
+    else
+      words.insert(words.end(), more.begin(), more.end());
   }
   return words;
 }

@@ -141,8 +141,11 @@ template <int Dim> std::vector<std::uint64_t> ParticlePart<Dim>::gone() const
 {
   std::vector<std::uint64_t> words;
   for (const auto& part : bonds_.parts()) {
-    const std::vector<std::uint64_t> more = part->gone();
-    words.insert(words.end(), more.begin(), more.end());
+    std::vector<std::uint64_t> more = part->gone();
+    if (words.empty())
+      words = std::move(more);
+    else
+      words.insert(words.end(), more.begin(), more.end());
   }
   return words;
 }
@@ -152,9 +155,13 @@ template <int Dim> void ParticlePart<Dim>::break_bonds(const BrokenBonds& broken
   auto next = broken.mine.begin();
   for (std::size_t p = 0; p < bonds_.parts().size(); ++p) {
     const auto& part = *bonds_.parts()[p];
+    const auto end = next + std::ssize(part.sites()) * broken.width;
+    if (bonds_.is_kept(p)) { // knows
+      next = end;
+      continue;
+    }
     std::vector<field::RowName> others; // the words of other ranks' particles too
     for (const Index site : part.halo_sites()) others.push_back(name(p, site));
-    const auto end = next + std::ssize(part.sites()) * broken.width;
     std::vector<std::uint64_t> words(next, end);
     next = end;
     const std::vector<std::uint64_t> more = broken.words_of(others);

@@ -37,22 +37,19 @@ public:
   /// Sites that follow each other in a run have names that do.
   void add_names(std::vector<field::RowName>& names) const override
   {
-    const std::span<const pd::Particle> particles = model_.particles;
-    names.reserve(names.size() + particles.size());
-    Index left = 0;         // of the run, behind the particle before
-    std::uint64_t step = 1; // from one name of the run to the next
-    for (std::size_t k = 0; k < particles.size(); ++k) {
-      const auto& [patch, site, cell, x] = particles[k];
-      if (left > 0 && patch == particles[k - 1].patch && site == particles[k - 1].site + 1) {
-        names.push_back(field::RowName::particle(names.back().key() + step));
-        --left;
-        continue;
+    names.reserve(names.size() + model_.particles.size());
+    for (std::size_t p = 0; p < bonds_.parts().size(); ++p) {
+      const couple::PatchShape& shape = plan_.shapes[p];
+      const auto step = static_cast<std::uint64_t>(shape.names.lattices); // from one name of a run to the next
+      const std::span<const Index> sites = bonds_.parts()[p]->sites();
+      for (std::size_t k = 0; k < sites.size();) {
+        const Site<2> at = shape.active.site(sites[k]);
+        const std::uint64_t first = shape.names.of(at);
+        const auto run = static_cast<std::uint64_t>(shape.active.end_of_run(at) - at[0]);
+        const Index from = sites[k];
+        for (std::uint64_t j = 0; j < run && k < sites.size() && sites[k] == from + static_cast<Index>(j); ++j, ++k)
+          names.push_back(field::RowName::particle(first + j * step));
       }
-      names.push_back(name(static_cast<std::size_t>(patch), site));
-      const couple::PatchShape& shape = shape_of(particles[k]);
-      const Site<2> at = shape.active.site(site);
-      left = shape.active.end_of_run(at) - at[0] - 1;
-      step = static_cast<std::uint64_t>(shape.names.lattices);
     }
   }
 

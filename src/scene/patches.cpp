@@ -3,6 +3,7 @@
 #include "pdx/mesh/sites.hpp"
 
 #include "joined_boxes.hpp"
+#include "pdx/scene/kept.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -242,11 +243,12 @@ struct SitesInCell {
   Site<2> first;
 };
 
-std::vector<SitesInCell> sites_in_cells(const mesh::Mesh& mesh, const PatchPlan& plan)
+/// But for patches that are kept.
+std::vector<SitesInCell> sites_in_cells(const mesh::Mesh& mesh, const PatchPlan& plan, const Kept* kept)
 {
   std::vector<SitesInCell> mine;
   for (const Index c : mesh.cells(mesh::Use::covered)) {
-    if (c >= mesh.owned_cells()) continue;
+    if (c >= mesh.owned_cells() || (kept && kept->has(static_cast<std::size_t>(mesh.patch(c))))) continue;
     const couple::PatchShape& shape = plan.shapes[static_cast<std::size_t>(mesh.patch(c))];
     const std::size_t before = mine.size();
     mesh::for_each_site(mesh, c, shape.lattice, 0, [&](const Site<2>& site, const Vector<2>&) {
@@ -263,14 +265,15 @@ std::vector<SitesInCell> sites_in_cells(const mesh::Mesh& mesh, const PatchPlan&
 }
 } // namespace
 
-std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan& plan)
+std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan& plan, Kept* kept)
 {
   std::vector<pd::Particle> mine;
-  for (const SitesInCell& sites : sites_in_cells(mesh, plan)) {
+  for (const SitesInCell& sites : sites_in_cells(mesh, plan, kept)) {
     const geom::Lattice<2>& lattice = plan.shapes[static_cast<std::size_t>(sites.patch)].lattice;
     for (Index k = 0; k < sites.count; ++k)
       mine.push_back({sites.patch, sites.place + k, sites.cell, lattice.point({sites.first[0] + k, sites.first[1]})});
   }
+  if (kept) mine = kept->particles(mine, plan.shapes.size());
   std::int64_t total = static_cast<std::int64_t>(mine.size()), wanted = 0;
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, mesh.comm());
   for (const auto& shape : plan.shapes) wanted += shape.active.size();

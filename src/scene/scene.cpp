@@ -3,6 +3,7 @@
 #include "grid_body.hpp"
 #include "pdx/base/stop_signals.hpp"
 #include "pdx/mesh/gmsh.hpp"
+#include "pdx/scene/kept.hpp"
 #include "pdx/scene/mixed_points.hpp"
 #include "pdx/scene/particle_warnings.hpp"
 #include "pdx/scene/point_body.hpp"
@@ -60,21 +61,22 @@ Ground::Ground(MPI_Comm comm, options::SceneOptions given, const mesh::MeasuredC
   stop_if_told(comm);
 }
 
-void Ground::lay_particles()
+void Ground::lay_particles(Kept* kept)
 {
   if (!options.pd.any()) return;
   cover_cells(mesh, plan, mesh_options, options.frame);
-  particles = make_particles(mesh, plan);
+  particles = make_particles(mesh, plan, kept);
   stop_if_told(mesh.comm());
 }
 
-void Ground::lay_again(options::SceneOptions given)
+void Ground::lay_again(options::SceneOptions given, Kept* kept)
 {
   options = std::move(given);
   mesh_options = options.mesh;
   plan = judged_plan(options, mesh_options);
+  if (kept) kept->match(plan);
   mesh.uncover();
-  lay_particles();
+  lay_particles(kept);
 }
 
 std::vector<std::string> Ground::warnings() const
@@ -100,7 +102,12 @@ public:
   field::System& system() override { return d_->system; }
   StepLimits limits() override
   {
-    return limits_of<2>(ground_.plan.stencils, d_->system, ground_.options.regions.get());
+    StepLimits limits{rigorous_limit(), 0.0};
+    for (const auto& stencil : ground_.plan.stencils) {
+      const double papers = papers_step<2>(stencil, ground_.options.regions.get());
+      limits.papers = limits.papers > 0.0 ? std::min(limits.papers, papers) : papers;
+    }
+    return limits;
   }
   std::vector<std::string> warnings() override
   {
@@ -112,22 +119,66 @@ public:
   const PatchPlan& patches() const override { return ground_.plan; }
   void change(const Layout& layout) override
   {
+    std::optional<Kept> kept;
+    if (layout.cracks == ground_.options.cracks.lines) kept = Kept::of(*d_, ground_.options);
     d_.reset();
-    ground_.lay_again(layout.in(ground_.options));
-    build();
+    ground_.lay_again(layout.in(ground_.options), kept ? &*kept : nullptr);
+    build(kept ? &*kept : nullptr);
+    const std::vector<double> before = std::exchange(least_, {});
+    for (std::size_t p = 0; kept && p < ground_.plan.shapes.size(); ++p)
+      least_.push_back(kept->has(p) ? before.at(kept->before(p)) : kUnknown);
+    if (kept) leave_out(kept->same());
   }
+  void foresee(const Layout& next) override
+  {
+    if (next.cracks == ground_.options.cracks.lines)
+      leave_out(Kept::staying(*d_, ground_.options, patch_shapes(next.in(ground_.options))));
+  }
+  void settle() override { leave_out({}); }
 
 private:
-  void build()
+  static constexpr double kUnknown = -1.0;
+
+  void leave_out(const std::vector<bool>& patches)
+  {
+    if (d_->bonds) d_->bonds->leave_out(patches);
+    if (d_->carried) d_->carried->leave_out(patches);
+  }
+
+  /// As `solve::stable_step` has it. What patches that stay allow is known.
+  double rigorous_limit()
+  {
+    const field::System& system = d_->system;
+    const std::vector<double> squares = solve::row_limits(system);
+    least_.resize(ground_.plan.shapes.size(), kUnknown);
+    auto next = squares.begin() + system.rows.first_particle();
+    double least = std::numeric_limits<double>::infinity();
+    const auto take = [&least](auto begin, auto end) {
+      for (auto at = begin; at != end; ++at) least = std::min(least, *at);
+    };
+    take(squares.begin(), next);
+    for (std::size_t p = 0; p < least_.size(); ++p) {
+      const auto end = next + std::ssize(d_->bonds->parts()[p]->sites());
+      if (least_[p] == kUnknown)
+        least_[p] = next == end ? std::numeric_limits<double>::infinity() : *std::min_element(next, end);
+      least = std::min(least, least_[p]);
+      next = end;
+    }
+    MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE, MPI_MIN, system.rows.comm);
+    return least > 0.0 ? 2.0 * std::sqrt(least) : solve::stable_step(system).limit; // says where there is no mass
+  }
+
+  void build(Kept* kept = nullptr)
   {
     const bool assembled = ground_.options.time.analysis == options::Analysis::implicit_dynamics;
     d_ = discretise(ground_.mesh, ground_.options, ground_.plan, std::move(ground_.particles), assembled,
-                    ground_.points.get(), &ground_.areas);
+                    ground_.points.get(), &ground_.areas, kept);
     stop_if_told(ground_.mesh.comm());
   }
 
   Ground ground_;
   std::unique_ptr<Discretisation> d_;
+  std::vector<double> least_; // per patch, of its particles here: as `solve::row_limits` has it [s^2]
 };
 
 class SolidScene final : public Scene {

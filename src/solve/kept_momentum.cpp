@@ -21,7 +21,9 @@ void keep_momentum(const MovingSystem& moving, std::span<const double> is_new, c
       std::fill_n(more.begin() + static_cast<std::ptrdiff_t>(row * dim), dim, is_new[row]);
   const std::array<double, 3> mass = moving.momentum(more), now = moving.momentum(v);
   if (mass[0] <= 0.0) return;
-  for (std::size_t k = 0; k < v.size(); ++k) v[k] += more[k] * (wanted[k % dim] - now[k % dim]) / mass[k % dim];
+  for (std::size_t row = 0; row < is_new.size(); ++row)
+    for (std::size_t d = 0; d < dim && is_new[row] != 0.0; ++d)
+      v[row * dim + d] += more[row * dim + d] * (wanted[d] - now[d]) / mass[d];
 }
 
 namespace {

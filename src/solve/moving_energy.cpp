@@ -9,9 +9,15 @@ namespace pdx::solve {
 std::array<double, 3> MovingSystem::momentum(std::span<const double> velocity) const
 {
   const auto dim = static_cast<std::size_t>(system.rows.dim);
+  std::array<double, 3> sum{};
+  if (ties_.empty()) {
+    for (std::size_t row = 0; row < mass.size(); ++row)
+      for (std::size_t d = 0; d < dim; ++d) sum[d] += mass[row] * velocity[row * dim + d];
+    MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);
+    return sum;
+  }
   std::vector<double> inertia(velocity.size(), 0.0);
   add_inertia(velocity, inertia);
-  std::array<double, 3> sum{};
   const auto sets = static_cast<std::size_t>(system.rows.nodes),
              particles = sets + static_cast<std::size_t>(system.rows.enriched);
   for (std::size_t row = 0; row < mass.size(); ++row) // all rows move alike where the body does, and no set opens

@@ -56,6 +56,7 @@ MovingSystem::MovingSystem(field::System& given)
       set = (set - v[static_cast<std::size_t>(t.row) * dim + d]) / t.factor;
     }
   loose_ = loose_halves();
+  inverse_mass_.reserve(mass.size());
   for (const double m : mass) inverse_mass_.push_back(1.0 / m);
   for (const field::Drive& drive : system.drives)
     if (const std::vector<double> none(drive.components.size(), 0.0); drive.kind == field::Drive::Kind::force)

@@ -105,6 +105,14 @@ std::vector<field::Tie> ties_of(const field::System& system)
   return ties;
 }
 
+std::vector<double> row_limits(const field::System& system)
+{
+  const Bounds bounds = bounds_of(system);
+  std::vector<double> limits(bounds.mass.size());
+  for (std::size_t row = 0; row < limits.size(); ++row) limits[row] = bounds.square(row);
+  return limits;
+}
+
 StableStep stable_step(const field::System& system)
 {
   const Bounds bounds = bounds_of(system);

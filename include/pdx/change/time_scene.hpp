@@ -33,6 +33,13 @@ public:
   const scene::Layout& layout() const { return layout_; }
   const scene::Dormant& dormant() const { return dormant_; }
 
+  /// A change of layout is about to come, until `settle`: as scene::Scene has it.
+  void foresee(const adapt::LayoutChange& change)
+  {
+    if (!change.empty()) scene_->foresee(layout_.changed(change));
+  }
+  void settle() { scene_->settle(); }
+
   /// All that a scene has come to, and what the rows that a change makes begin with.
   struct Moment {
     scene::NamedState state;

@@ -1,46 +1,26 @@
 #pragma once
-#include "pdx/couple/carried_kernel.hpp"
-#include "pdx/couple/carried_points.hpp"
-#include "pdx/couple/leaving.hpp"
-#include "pdx/field/force_loss.hpp"
-#include "pdx/field/term.hpp"
-#include "pdx/law/bond_force.hpp"
-#include "pdx/pd/breaker.hpp"
-#include "pdx/pd/damage.hpp"
-
-#include <memory>
+#include "pdx/couple/carried_family.hpp"
+#include "pdx/field/row_shift.hpp"
 
 namespace pdx::couple {
-template <int Dim> class CarriedRuns;
-
-/// A bond between two carried points. Its force may act at other points than those that stretch it (the `interface`
-/// scheme); then the tangent is not symmetric.
-template <int Dim> struct CarriedBond {
-  Index a = 0, b = 0;             ///< points whose displacements stretch the bond
-  Index force_a = 0, force_b = 0; ///< points its force acts at
-  Vector<Dim> xi;                 ///< reference vector from a to b                       [m]
-  double kappa = 0.0;             ///< force per unit stretch                             [N]
-  double energy_share = 0.0;      ///< whole bond length over particle volume where a is a particle, else 0 [1/m^2]
-  double volume = 0.0;            ///< beta V of the outer end where a is a particle, else 0 [m^3]
-  double handed = 0.0;            ///< mass that the particle at `a` hands to what carries b [kg]
-  bool cut = false;               ///< by a crack from the start: it carries nothing, but counts in the whole family
-  bool no_fail = false;           ///< it never breaks
-  double stretch = 1.0;           ///< its critical stretch over that of the patch           [-]
-  Index patch = 0;                ///< the patch of its particle, whose critical stretch it has
-  std::uint64_t key = 0;          ///< the bond's own number, the same on any rank and any number of ranks
-  Leaving leaves = {};            ///< through which straight side of the patch, where that is known
-  Vector<2> from = {0.0, 0.0};    ///< where a is, in the plane                           [m]
-};
-
 /// The bonds that do not join two particles of a patch: springs of the coupling schemes, all with the bond force law.
-/// Those that are cut or broken stay in `couplings`, so that a matrix keeps its pattern, and nowhere else.
+/// They are held in families, one for each patch, which a change of layout hands on as they are where a patch and what
+/// is around it stay.
 template <int Dim> class CarriedBonds final : public field::Term {
 public:
+  using Family = CarriedFamily<Dim>;
+  using Families = std::vector<std::unique_ptr<Family>>;
+  /// Of one family, whatever patches it is of.
   CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> points, std::vector<CarriedBond<Dim>> bonds,
                pd::Kinematics kinematics, bool symmetric);
-  ~CarriedBonds() override;
-  CarriedBonds(const CarriedBonds&) = delete;
-  CarriedBonds& operator=(const CarriedBonds&) = delete;
+  /// @param families one per patch; those that have been bound before are of the layout before
+  /// @param shift from that layout; null where none has been
+  CarriedBonds(const field::Rows& rows, Families families, std::shared_ptr<const field::RowShift> shift,
+               pd::Kinematics kinematics, bool symmetric);
+  /// The families leave this Term, of which nothing may be asked any more.
+  Families give_up() { return std::move(families_); }
+  /// Between two layouts `energy` leaves out families that stay, as pd::BondTerm does.
+  void leave_out(std::vector<bool> families) { left_out_ = std::move(families); }
 
   void needed_rows(std::vector<PetscInt>& rows) const override;
   void bind(const field::RowHalo& halo) override;
@@ -73,27 +53,24 @@ public:
                          field::ForceLosses* losses = nullptr);
   /// From now on `add_residual` looks for bonds that these rules would break at its displacement.
   void watch(std::span<const pd::BreakRule> rules);
-  bool overstretched_seen() const { return overstretched_seen_; } ///< by the last `add_residual`, on this rank
+  bool overstretched_seen() const; ///< by the last `add_residual`, on this rank
   /// Appends s/s0 of the bonds that `break_bonds` would break and this rank counts.
   void overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules,
                      std::vector<double>& ratios) const;
   /// Keys of the bonds that broke and this rank counts.
   std::vector<std::uint64_t> broken() const;
-  /// Calls visit(key, patch) for each bond of this rank.
-  template <class Visit> void for_each_key(Visit&& visit) const
+  /// Calls visit(key, patch) for each bond of this rank that is new in this layout: others know what broke.
+  template <class Visit> void for_each_new_key(Visit&& visit) const
   {
-    for (const CarriedBond<Dim>& bond : bonds_) visit(bond.key, bond.patch);
+    for (std::size_t f = 0; f < families_.size(); ++f)
+      if (!kept_[f]) families_[f]->for_each_key(visit);
   }
-  /// Breaks the bonds with these keys. @param keys ascending, of all ranks
+  /// Breaks the bonds with these keys, where they are new in this layout. @param keys ascending, of all ranks
   void set_broken(std::span<const std::uint64_t> keys);
   /// Remembers which bonds are gone; `restore` goes back to what was remembered last.
-  void save() { saved_ = gone_; }
-  void restore()
-  {
-    revision_ += gone_ != saved_;
-    gone_ = saved_;
-  }
-  std::int64_t revision() const override { return revision_; }
+  void save();
+  void restore();
+  std::int64_t revision() const override;
   /// Adds the volume at the outer ends to the particles' families, one entry per owned row.
   void add_bonded_volume(std::span<pd::BondedVolume> volumes) const;
   /// Local rows of the particles that lost such bonds to load are appended.
@@ -103,53 +80,15 @@ public:
   /// Appends pairs of local rows that the intact bonds hold together, in tied displacements. After `bind`.
   void add_joints(std::vector<std::array<Index, 2>>& pairs) const;
 
-  std::size_t size() const { return bonds_.size(); }
+  std::size_t size() const;
   std::int64_t bonds() const; ///< intact ones that this rank counts; after `bind`
 
 private:
-  struct Panel;
-  /// A bond's reference vector, taken apart once.
-  struct Rest {
-    Vector<Dim> along; ///< unit vector
-    double length;     ///< [m]
-  };
-  bool starts_at_row(const CarriedBond<Dim>& bond) const;
-  void fill_lanes() const;
-  law::BondState<Dim> state_of(std::size_t number, const Vector<Dim>& eta, pd::Kinematics kinematics) const;
-  double free_strain(std::size_t number) const { return free_.empty() ? 0.0 : free_[number]; }
-  void refresh_lanes() const;
-  void refresh_runs() const;
-  law::BondState<Dim> state_of(std::size_t number, std::span<const double> d, pd::Kinematics kinematics) const;
-  bool counted(const CarriedBond<Dim>& bond) const { return points_.rows(bond.a).front() < rows_.owned(); }
-  /// Calls visit(number, stretch) for the intact bonds that a rule breaks at u.
-  template <class Visit>
-  void for_each_overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules, Visit&& visit) const;
-  const std::vector<std::pair<Index, pd::BondedVolume>>& volumes() const;
-  void note_force(std::size_t number, pd::Kinematics kinematics, field::ForceLosses& losses) const;
-  Vector<Dim> stretch_vector(const CarriedBond<Dim>& bond, std::span<const double> d) const;
-  template <class Visit> void for_each_group(Visit&& visit) const;
-
   field::Rows rows_;
-  CarriedPoints<Dim> points_;
-  std::vector<CarriedBond<Dim>> bonds_;
-  std::vector<Rest> rest_;                 // per bond
-  std::vector<double> free_;               // free strain per bond; empty: nothing swells [-]
-  std::vector<std::uint8_t> gone_, saved_; // per bond: cut or broken
-  std::int64_t revision_ = 0;              // of gone_
+  Families families_;
+  std::vector<bool> kept_, left_out_; // per family: of the layout before; empty: none
+  std::shared_ptr<const field::RowShift> shift_;
   pd::Kinematics kinematics_;
   bool symmetric_;
-  std::vector<double> state_;  // displacement of the points at the last linearisation
-  std::vector<double> limits_; // per patch, of the stretch; empty: nobody watches [-]
-  mutable bool overstretched_seen_ = false;
-  mutable std::vector<double> spread_;
-  std::unique_ptr<CarriedRuns<Dim>> runs_;       // of bonds along straight sides; null but in explicit steps
-  mutable std::vector<CarriedLanes<Dim>> lanes_; // of other bonds from a row to few rows
-  mutable std::vector<std::size_t> others_;      // numbers of those in neither
-  mutable bool laid_out_ = false;                // in lanes and others, as runs are now
-  mutable std::int64_t lanes_revision_ = -1;     // that lanes know
-  mutable std::vector<std::pair<Index, pd::BondedVolume>>
-      volumes_;                                // at the outer ends, ascending by the particle's row
-  mutable std::int64_t volumes_revision_ = -1; // that they know
-  Processor processor_ = chosen_processor();
 };
 } // namespace pdx::couple

@@ -25,6 +25,12 @@ public:
   void add(std::size_t number, const Bond& bond); ///< @param number the bond's, by which it is told afterwards
   /// Numbers of the bonds, in order.
   std::span<const std::size_t> numbers() const { return numbers_; }
+  /// Local rows are others from now on. @param now of each local row before
+  void move_rows(std::span<const Index> now)
+  {
+    for (std::vector<Index>* rows : {&row_, &hosts_})
+      for (Index& row : *rows) row = now[static_cast<std::size_t>(row)];
+  }
   /// Stiffness of bond k of `numbers`, 0 of one that is gone, and the stretch that is watched for; infinite: none.
   void set(std::size_t k, double kappa, double limit);
 

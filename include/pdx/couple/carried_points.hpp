@@ -17,6 +17,11 @@ public:
   /// Global rows of all points.
   const std::vector<Index>& all_rows() const { return rows_; }
   void bind(const field::RowHalo& halo); ///< global rows become local ones
+  /// Local rows are others from now on. @param now of each local row before
+  void move_rows(std::span<const Index> now)
+  {
+    for (Index& row : rows_) row = now[static_cast<std::size_t>(row)];
+  }
 
   void spread(std::span<const double> u, std::vector<double>& d) const; ///< of all points
   Vector<Dim> displacement(Index point, std::span<const double> u) const;

@@ -19,6 +19,23 @@ public:
   /// @param points bound; those of the bonds   @param owned rows of this rank
   CarriedRuns(const CarriedPoints<Dim>& points, std::span<const RunBond<Dim>> bonds, Index owned);
 
+  /// So many rows are owned from now on, and all bonds are of this patch.
+  void number(Index owned, Index patch)
+  {
+    owned_ = owned;
+    for (Index& of : patches_)
+      if (of >= 0) of = patch;
+  }
+  /// Local rows are others from now on, in the same order. @param now of each local row before
+  void move_rows(std::span<const Index> now)
+  {
+    const auto move = [now](Index& row) {
+      if (row >= 0) row = now[static_cast<std::size_t>(row)];
+    };
+    for (RunParticles& some : particles_) move(some.row);
+    for (std::vector<Index>* rows : {&rows_, &particle_rows_}) std::ranges::for_each(*rows, move);
+  }
+
   /// Numbers of the bonds that are in runs.
   const std::vector<std::size_t>& numbers() const { return numbers_; }
   /// @param stiffness of a bond by its number: kappa / |xi|, 0 if it is gone [N/m]

@@ -57,11 +57,17 @@ struct BondName {
 /// The same of a key that is known to be of this lattice.
 BondName bond_name(std::uint64_t key, const geom::SiteNames& names, const pd::Stencil<2>& stencil);
 
+/// Of the layout before.
+struct KeptFamilies {
+  CarriedBonds<2>::Families families = {};                ///< one per patch, null for a new one; none: all are new
+  std::shared_ptr<const field::RowShift> shift = nullptr; ///< of their rows
+};
+
 /// The carried bonds of all patches that touch a row of this rank. Collective.
 /// Throws UserError if a patch lies so near to another that its ghosts find no element.
 std::unique_ptr<CarriedBonds<2>> carry_bonds(const field::Rows& rows, const CouplingOptions& options,
                                              std::span<const std::unique_ptr<pd::LatticePart<2>>> parts,
-                                             std::span<const Surroundings> around);
+                                             std::span<const Surroundings> around, KeptFamilies kept = {});
 
 /// Ghost particles of all patches: outside sites that carry at least one bond [-].
 Index count_ghosts(std::span<const Surroundings> around, std::span<const std::unique_ptr<pd::LatticePart<2>>> parts);

@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/couple/leaving.hpp"
 #include "pdx/couple/patch_shape.hpp"
+#include "pdx/field/row_shift.hpp"
 #include "pdx/mesh/mesh.hpp"
 #include "pdx/xfem/enriched_sets.hpp"
 
@@ -55,9 +56,13 @@ public:
   /// @param sets  the mesh's enriched sets, numbered, or nullptr without cracks; must outlive the result
   /// @param seams where the mesh is parted, or nullptr; must outlive the result
   /// @param hosts shall `element_host` know what holds the sites outside?
+  /// @param known of patches that stay, with what is around them: taken as they are. One for each patch, or none
   static std::vector<Surroundings> survey(const mesh::Mesh& mesh, std::span<const PatchShape> patches, Index band,
                                           std::span<const PetscInt> node_rows, const xfem::EnrichedSets* sets,
-                                          const crack::CrackSet* seams = nullptr, bool hosts = true);
+                                          const crack::CrackSet* seams = nullptr, bool hosts = true,
+                                          std::vector<std::optional<Surroundings>> known = {});
+  /// Nodes and sets have other rows from now on.
+  void move_rows(const field::RowShift& shift);
 
   const PatchShape& shape() const { return shape_; }
   Index band() const { return band_; }
@@ -134,5 +139,6 @@ private:
   std::vector<Side> sides_;
   std::array<std::vector<std::vector<std::size_t>>, 2> sides_on_; // numbers of those on each lattice line, by axis
   const crack::CrackSet *cracks_ = nullptr, *seams_ = nullptr;
+  bool known_ = false; // looked at under another layout
 };
 } // namespace pdx::couple

@@ -10,6 +10,24 @@ namespace pdx::pd {
 template <int Dim> class BondTerm final : public field::Term {
 public:
   BondTerm(std::vector<std::unique_ptr<LatticePart<Dim>>> parts, Kinematics kinematics, bool assembled);
+  /// What of a part lies here, and may go on with it in another Term.
+  struct Laid {
+    std::unique_ptr<StripPart<Dim>> strip; ///< null: the part is new
+    typename LatticePart<Dim>::Window scratch;
+  };
+  struct Parts {
+    std::vector<std::unique_ptr<LatticePart<Dim>>> parts;
+    std::vector<Laid> laid; ///< of each
+  };
+  /// Of parts that another Term of the same kind gave up; those that are laid keep bonds that broke and what protects
+  /// them.
+  BondTerm(Parts parts, Kinematics kinematics);
+  /// Parts that step explicitly leave this Term, of which nothing may be asked any more.
+  Parts give_up();
+  bool is_kept(std::size_t part) const { return part < kept_.size() && kept_[part]; } ///< laid before
+  /// Between two layouts `energy` leaves out parts that stay: no part, until it is told some. Parts that are kept are
+  /// left out at first. @param parts one for each; empty: none is left out
+  void leave_out(std::vector<bool> parts) { left_out_ = std::move(parts); }
 
   void needed_rows(std::vector<PetscInt>& rows) const override;
   void bind(const field::RowHalo& halo) override;
@@ -25,7 +43,8 @@ public:
   void weak_rows(std::vector<Index>& rows) const override;
   bool constant_jacobian() const override { return kinematics_ == Kinematics::linear; }
   void add_mass(std::span<double> mass) const override;
-  /// D_i = 2 sum_j w K_ij of the intact bonds: (n.(u_i - u_j))^2 <= 2 (n.u_i)^2 + 2 (n.u_j)^2.
+  /// D_i = 2 sum_j w K_ij of the intact bonds: (n.(u_i - u_j))^2 <= 2 (n.u_i)^2 + 2 (n.u_j)^2. Nothing of parts that
+  /// are kept, whose bounds are known.
   void add_stiffness_bound(std::span<double> blocks) const override;
 
   /// Takes out the bonds that a crack parts, the precrack, and returns how many of them this rank counts.
@@ -76,11 +95,12 @@ public:
   std::vector<double> energy_density(std::span<const double> u) const;
 
 private:
-  void take_over_words();
+  void take_over_words(bool all);
   void add_diagonal(field::BlockAdder& adder) const;
   void add_whole(field::BlockAdder& adder, const LatticePart<Dim>& part, std::size_t number) const;
 
   std::vector<std::unique_ptr<LatticePart<Dim>>> parts_;
+  std::vector<bool> kept_, left_out_; // per part; empty: none
   Kinematics kinematics_;
   bool assembled_;
   std::int64_t revision_ = 0; // of the bonds

@@ -58,6 +58,10 @@ public:
   std::span<const Index> sites() const { return sites_; } ///< owned site numbers
   Index first_row() const { return first_row_; }          ///< local row of sites()[0]
   const SiteDirectory& directory() const { return directory_; }
+  /// The same particles have other rows from now on, on ranks that own what they owned. Nothing else changes. For what
+  /// has not been numbered for assembly. Collective.
+  /// @param first_row local row of sites()[0]   @param correction as given at first, on what stands now
+  void move_rows(const field::Rows& rows, Index first_row, SurfaceCorrection<Dim> correction);
   /// Local row of an owned site, -1 if another rank (or none) has it; after `number_halo` halo sites have theirs too.
   Index row(const Site<Dim>& site) const;
 
@@ -182,6 +186,7 @@ private:
   void find_regions();
   BreakRule completed(BreakRule rule) const;
   void collect_halo();
+  void connect_halo();
   void find_traits();
   std::uint8_t traits(std::ptrdiff_t at) const;
   void make_runs() const;
@@ -230,6 +235,7 @@ private:
   struct {
     Words words;
     std::vector<std::uint8_t> traits;
+    bool current = false; // nothing has changed since
   } saved_;
   std::vector<double> swelling_;                    // per window site, see BondView; empty: nothing swells
   std::vector<double> whole_volume_, start_volume_; // per owned particle; empty until bonds change [m^3]
@@ -244,9 +250,9 @@ private:
   mutable std::vector<Run> force_runs_, linear_runs_;
   mutable bool runs_stale_ = true; // made when they are asked for
   std::vector<Run> segments_;
-  std::vector<PetscInt> halo_rows_;
+  std::vector<PetscInt> halo_rows_, halo_rows_given_; // now; as the directory was given them
   std::vector<std::ptrdiff_t> halo_at_;
-  SfHandle halo_sf_;
+  SfHandle halo_sf_; // from particles by their places in sites_
   mutable std::vector<double> halo_buffer_;
   mutable double waited_ = 0.0;
   BondFactors<Dim> factors_known_; ///< in the window, until somebody takes them

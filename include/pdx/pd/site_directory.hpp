@@ -10,10 +10,20 @@ public:
   SiteDirectory(MPI_Comm comm, Index total_sites, std::span<const Index> sites, PetscInt first_row);
   /// Global row of each site asked for, -1 where no rank owns it. Collective.
   std::vector<PetscInt> rows(std::span<const Index> sites) const;
+  /// The same sites have other rows from now on, which follow each other from this one. Collective.
+  void move(PetscInt first_row);
+  /// Where a row is now that was given at first.
+  PetscInt moved(PetscInt row) const;
 
 private:
+  /// Rows of a rank: those given at first, how many, and where they are now.
+  struct Span {
+    PetscInt given, count, now;
+  };
   MPI_Comm comm_;
   Index total_;
-  std::vector<PetscInt> table_; ///< rows of the sites this rank keeps the table for
+  PetscInt first_, count_;      ///< rows given
+  std::vector<PetscInt> table_; ///< rows, as given, of the sites this rank keeps the table for
+  std::vector<Span> spans_;     ///< by rank; empty: rows are where they were given
 };
 } // namespace pdx::pd

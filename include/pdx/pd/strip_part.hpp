@@ -35,6 +35,8 @@ public:
   Broken break_bonds(field::ForceLosses* losses = nullptr);
   /// Reads all bonds of the LatticePart again, after it changed by other means.
   void take_over_words();
+  /// The rows of the LatticePart are so many further from now on; passes are counted anew.
+  void move_rows(Index by);
 
   std::int64_t tiles_computed() const { return computed_; } ///< tiles with bonds, summed over all passes
   std::int64_t tiles_skipped() const { return skipped_; }

@@ -5,6 +5,7 @@
 #include "pdx/couple/node_field.hpp"
 #include "pdx/fem/elastic_term.hpp"
 #include "pdx/pd/bond_term.hpp"
+#include "pdx/scene/kept.hpp"
 #include "pdx/scene/model.hpp"
 #include "pdx/scene/patches.hpp"
 #include "pdx/scene/point_output.hpp"
@@ -44,8 +45,9 @@ struct Discretisation final : Model {
 /// Collective. The mesh, its covers included, must outlive the result; its cells are cut by the scene's cracks.
 /// @param points of a mixed scene, whose cells have been dealt (`deal_cells`); null without bodies of points
 /// @param areas of the mesh, where another scene on it may follow; must outlive the result
+/// @param kept of the scene before on the same mesh, which this one goes on with; null: all is made
 std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::SceneOptions& options,
                                            const PatchPlan& plan, std::vector<pd::Particle> particles, bool assembled,
                                            const PointPlan<2>* points = nullptr,
-                                           const fem::CornerAreas* areas = nullptr);
+                                           const fem::CornerAreas* areas = nullptr, Kept* kept = nullptr);
 } // namespace pdx::scene

@@ -5,6 +5,8 @@
 #include "pdx/pd/side_weights.hpp"
 
 namespace pdx::scene {
+class Kept;
+
 /// Where the patches lie and of what they are made. For `-pd_patches all` the one patch is the body and its layers.
 struct PatchPlan {
   std::vector<couple::PatchShape> shapes;
@@ -37,5 +39,6 @@ void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOption
                  const geom::Frame& frame = {});
 
 /// The particles in the covered cells this rank owns, by patch and site. Collective.
-std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan& plan);
+/// @param kept knows those of patches that stay; null: all are looked for
+std::vector<pd::Particle> make_particles(const mesh::Mesh& mesh, const PatchPlan& plan, Kept* kept = nullptr);
 } // namespace pdx::scene

@@ -25,10 +25,11 @@ struct Ground {
   Ground(const Ground&) = delete;
   Ground& operator=(const Ground&) = delete;
   /// Covers cells and fills the patches, where there are any. Collective.
-  void lay_particles();
+  /// @param kept knows patches that stay; null: all are new
+  void lay_particles(Kept* kept = nullptr);
   /// Another layout on the same mesh: patches move, cells change hands. Collective.
-  /// @param given with that layout
-  void lay_again(options::SceneOptions given);
+  /// @param given with that layout   @param kept is told it
+  void lay_again(options::SceneOptions given, Kept* kept = nullptr);
   std::vector<std::string> warnings() const; ///< of what is odd but allowed, "" for none
 };
 
@@ -53,6 +54,10 @@ public:
   } ///< likewise
   /// The same of points and particles in space; null where there is no such scene.
   virtual const adapt::SpaceView* space() const { return nullptr; }
+  /// Another layout is about to take the place of this one: from now on, and from the change until `settle`, energies
+  /// are those of what it changes, so that their difference is what comes or goes. Both are collective.
+  virtual void foresee(const Layout&) {}
+  virtual void settle() {}
   /// Another layout on the same mesh takes the place of this one. Collective.
   virtual void change(const Layout&) { throw std::logic_error("a scene without patches that move"); }
   virtual std::vector<std::string> warnings() { return {}; }

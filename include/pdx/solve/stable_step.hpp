@@ -11,6 +11,10 @@ struct StableStep {
   std::array<double, 3> place{}; ///< of that row, unused components 0 [m]
 };
 
+/// (step / 2)^2 of each owned row, which no frequency that it alone bounds would exceed; infinite where nothing is
+/// stiff, 0 where there is no mass [s^2].
+std::vector<double> row_limits(const field::System& system);
+
 /// The lumped mass of the owned rows, all Terms [kg].
 std::vector<double> lumped_mass(const field::System& system);
 /// The ties of owned rows, all Terms.

@@ -1,0 +1,51 @@
+#pragma once
+#include "pdx/couple/carried_bonds.hpp"
+#include "pdx/pd/bond_term.hpp"
+#include "pdx/scene/patches.hpp"
+
+namespace pdx::scene {
+struct Discretisation;
+
+/// What of a scene in the plane goes on in the next one on the same mesh: patches that stay as they are, with what was
+/// found around them. Where a change is far away that is nearly all, and nothing of it is made or copied again.
+class Kept {
+public:
+  /// All that might stay leaves the scene, which is about to go. Nothing where it does not step explicitly with the
+  /// energy scheme, where it has bodies of points, or where its mesh is parted: these are made anew.
+  static std::optional<Kept> of(Discretisation& scene, const options::SceneOptions& options);
+
+  /// Which patches of a scene stay under the next layout, for each of its own; empty for none.
+  static std::vector<bool> staying(const Discretisation& scene, const options::SceneOptions& options,
+                                   std::span<const couple::PatchShape> next);
+  /// The next layout is known: which of its patches are those before?
+  void match(const PatchPlan& next);
+  /// For each patch of the next layout: is it one before? Whether it stays is known after `number`.
+  const std::vector<bool>& same() const { return same_; }
+  bool has(std::size_t patch) const { return patch < from_.size() && from_[patch] >= 0; }        ///< of the next layout
+  std::size_t before(std::size_t patch) const { return static_cast<std::size_t>(from_[patch]); } ///< its number then
+  /// Its rows are numbered: nothing stays if enriched sets are others. Collective.
+  /// @param band sites around patches that are looked at
+  void number(const Discretisation& next, Index band);
+
+  /// Owned particles of the next layout. @param fresh those of patches that are new, by patch and site
+  std::vector<pd::Particle> particles(std::span<const pd::Particle> fresh, std::size_t patches);
+  /// For each patch of the next layout, null or none for what is new. Each once, after `number`.
+  ///@{
+  std::unique_ptr<pd::LatticePart<2>> part(std::size_t patch, pd::BondTerm<2>::Laid& laid);
+  std::vector<std::optional<couple::Surroundings>> around();
+  couple::KeptFamilies families();
+  ///@}
+
+private:
+  std::vector<couple::PatchShape> shapes_; // of the layout before, as is what follows
+  std::vector<couple::Surroundings> around_;
+  pd::BondTerm<2>::Parts parts_;
+  couple::CarriedBonds<2>::Families families_;
+  std::vector<pd::Particle> particles_;
+  std::vector<Index> nodes_, sets_; // vertices
+  std::unique_ptr<field::RowHalo> halo_;
+  std::vector<int> from_; // per patch of the next layout: its number before, -1: it is new
+  std::vector<bool> same_;
+  std::shared_ptr<const field::RowShift> shift_;
+};
+} // namespace pdx::scene

@@ -1,0 +1,171 @@
+#include "pdx/scene/kept.hpp"
+
+#include "pdx/base/gather.hpp"
+#include "pdx/scene/discretisation.hpp"
+
+#include <algorithm>
+
+namespace pdx::scene {
+namespace {
+bool same_runs(const geom::SiteSet<2>& a, const geom::SiteSet<2>& b)
+{
+  if (a.is_box() != b.is_box() || a.lower() != b.lower() || a.upper() != b.upper() || a.size() != b.size())
+    return false;
+  return a.is_box() || std::ranges::equal(a.runs(), b.runs(), [](const auto& p, const auto& q) {
+           return p.first == q.first && p.length == q.length;
+         });
+}
+
+bool same_names(const geom::SiteNames& a, const geom::SiteNames& b)
+{
+  return a.first == b.first && a.width == b.width && a.lattice == b.lattice && a.lattices == b.lattices;
+}
+
+/// The same sites, counted and called alike, at the same places to the last bit.
+bool same_patch(const couple::PatchShape& a, const couple::PatchShape& b)
+{
+  return a.body == b.body && a.lattice.origin == b.lattice.origin && a.lattice.dx == b.lattice.dx &&
+         a.lattice.count == b.lattice.count && same_names(a.names, b.names) && same_runs(a.active, b.active);
+}
+
+std::vector<Index> vertices_of(const xfem::EnrichedSets* sets)
+{
+  return sets ? std::vector<Index>(sets->vertices().begin(), sets->vertices().end()) : std::vector<Index>{};
+}
+
+std::span<const pd::Particle> of_patch(std::span<const pd::Particle> all, std::size_t patch)
+{
+  const auto found = std::ranges::equal_range(all, static_cast<Index>(patch), {}, &pd::Particle::patch);
+  return {found.begin(), found.end()};
+}
+
+/// Appends the rows of what is in both ascending lists, which are numbered from these rows on.
+void add_runs(std::span<const Index> before, PetscInt from, std::span<const Index> after, PetscInt to,
+              std::vector<field::RowShift::Run>& runs)
+{
+  std::size_t a = 0, b = 0;
+  while (a < before.size() && b < after.size()) {
+    if (before[a] != after[b]) {
+      before[a] < after[b] ? ++a : ++b;
+      continue;
+    }
+    const std::size_t first = a;
+    while (a < before.size() && b < after.size() && before[a] == after[b]) ++a, ++b;
+    const auto length = static_cast<PetscInt>(a - first);
+    runs.push_back({from + static_cast<PetscInt>(first), to + static_cast<PetscInt>(b) - length, length});
+  }
+}
+} // namespace
+
+namespace {
+bool may_stay(const Discretisation& scene, const options::SceneOptions& options)
+{
+  return options.time.analysis == options::Analysis::explicit_dynamics && options.scheme == couple::Scheme::energy &&
+         !scene.point_plan && scene.bonds && scene.carried && scene.seams.empty();
+}
+} // namespace
+
+std::optional<Kept> Kept::of(Discretisation& scene, const options::SceneOptions& options)
+{
+  if (!may_stay(scene, options)) return std::nullopt;
+  Kept kept;
+  kept.shapes_ = scene.patch_plan->shapes;
+  kept.around_ = std::move(scene.around);
+  kept.parts_ = scene.bonds->give_up();
+  kept.families_ = scene.carried->give_up();
+  kept.particles_ = std::move(scene.particles);
+  kept.nodes_ = std::move(scene.nodes);
+  kept.sets_ = vertices_of(scene.sets.get());
+  kept.halo_ = std::move(scene.system.halo);
+  return kept;
+}
+
+std::vector<bool> Kept::staying(const Discretisation& scene, const options::SceneOptions& options,
+                                std::span<const couple::PatchShape> next)
+{
+  std::vector<bool> stay;
+  if (!may_stay(scene, options)) return stay;
+  for (const couple::PatchShape& shape : scene.patch_plan->shapes)
+    stay.push_back(std::ranges::any_of(next, [&](const couple::PatchShape& of) { return same_patch(shape, of); }));
+  return stay;
+}
+
+void Kept::match(const PatchPlan& next)
+{
+  from_.assign(next.shapes.size(), -1);
+  for (std::size_t p = 0; p < from_.size(); ++p) {
+    const auto known =
+        std::ranges::find_if(shapes_, [&](const couple::PatchShape& of) { return same_patch(of, next.shapes[p]); });
+    if (known != shapes_.end()) from_[p] = static_cast<int>(known - shapes_.begin());
+    same_.push_back(known != shapes_.end());
+  }
+}
+
+std::vector<pd::Particle> Kept::particles(std::span<const pd::Particle> fresh, std::size_t patches)
+{
+  std::size_t stays = 0, first = 0; // particles, patches that are where they were
+  for (; first < patches && has(first) && before(first) == first; ++first) stays += of_patch(particles_, first).size();
+  std::vector<pd::Particle> rest;
+  for (std::size_t p = first; p < patches; ++p) {
+    const auto more = has(p) ? of_patch(particles_, before(p)) : of_patch(fresh, p);
+    rest.insert(rest.end(), more.begin(), more.end());
+    for (std::size_t k = rest.size() - more.size(); k < rest.size(); ++k) rest[k].patch = static_cast<int>(p);
+  }
+  std::vector<pd::Particle> all = std::move(particles_);
+  all.resize(stays);
+  all.insert(all.end(), rest.begin(), rest.end());
+  return all;
+}
+
+void Kept::number(const Discretisation& scene, Index band)
+{
+  const field::Rows &rows = scene.system.rows, &old = halo_->rows();
+  const bool others = sets_ != vertices_of(scene.sets.get());
+  if (any_rank(rows.comm, others)) from_.assign(from_.size(), -1);
+  std::vector<PetscInt> moved(shapes_.size(), -1); // first row of each patch before, if it stays
+  PetscInt row = rows.first + rows.first_particle();
+  for (std::size_t p = 0; p < from_.size(); ++p) {
+    if (has(p) && around_[before(p)].band() != band) from_[p] = -1;
+    if (has(p)) moved[before(p)] = row;
+    row += static_cast<PetscInt>(of_patch(scene.particles, p).size());
+  }
+  std::vector<field::RowShift::Run> mine;
+  add_runs(nodes_, old.first, scene.nodes, rows.first, mine);
+  if (!others) mine.push_back({old.first + old.nodes, rows.first + rows.nodes, old.enriched});
+  row = old.first + old.first_particle();
+  for (std::size_t p = 0; p < shapes_.size(); ++p) {
+    const auto length = static_cast<PetscInt>(parts_.parts[p]->sites().size());
+    if (moved[p] >= 0) mine.push_back({row, moved[p], length});
+    row += length;
+  }
+  shift_ = std::make_shared<field::RowShift>(std::move(halo_), mine);
+}
+
+std::unique_ptr<pd::LatticePart<2>> Kept::part(std::size_t patch, pd::BondTerm<2>::Laid& laid)
+{
+  if (!has(patch)) return nullptr;
+  laid = std::move(parts_.laid[before(patch)]);
+  return std::move(parts_.parts[before(patch)]);
+}
+
+std::vector<std::optional<couple::Surroundings>> Kept::around()
+{
+  std::vector<std::optional<couple::Surroundings>> known(from_.size());
+  for (std::size_t p = 0; p < known.size(); ++p) {
+    if (!has(p)) continue;
+    known[p] = std::move(around_[before(p)]);
+    known[p]->move_rows(*shift_);
+  }
+  return known;
+}
+
+couple::KeptFamilies Kept::families()
+{
+  couple::KeptFamilies kept;
+  kept.families.resize(from_.size());
+  for (std::size_t p = 0; p < from_.size(); ++p)
+    if (has(p)) kept.families[p] = std::move(families_[before(p)]);
+  kept.shift = shift_;
+  return kept;
+}
+} // namespace pdx::scene
