@@ -7,7 +7,7 @@
 
 namespace pdx::couple {
 namespace space_bonds {
-constexpr double kOnLine = 1e-9; // of a spacing
+constexpr double kNothing = 1e-9; // a weight
 
 Site<3> stepped(Site<3> site, const Site<3>& step, int sign)
 {
@@ -15,41 +15,7 @@ Site<3> stepped(Site<3> site, const Site<3>& step, int sign)
   return site;
 }
 
-/// Lattice cells beside a coordinate counted in spacings: two on a line, else one.
-struct Beside {
-  std::array<Index, 2> cells{};
-  std::size_t count = 1;
-};
-Beside beside(double x)
-{
-  const double line = std::round(x);
-  if (std::abs(x - line) < kOnLine) return {{static_cast<Index>(line) - 1, static_cast<Index>(line)}, 2};
-  return {{static_cast<Index>(std::floor(x)), 0}, 1};
-}
-
 Index grid_cell(Index site, Index ratio) { return (site >= 0 ? site : site - ratio + 1) / ratio; }
-
-/// Adds `share` of what the nodes of a face carry: across `axis` on grid line `line`, in a lattice cell.
-bool add_face(const NodeRows& rows, Index ratio, std::size_t axis, Index line, const Site<3>& cell, const Vector<3>& x,
-              double share, Host& host)
-{
-  const std::size_t e = (axis + 1) % 3, f = (axis + 2) % 3;
-  const auto local = [&](std::size_t d, double at) { return at / ratio - grid_cell(cell[d], ratio); };
-  const double me = local(e, cell[e] + 0.5), mf = local(f, cell[f] + 0.5); // middle of the lattice cell
-  const double de = local(e, x[static_cast<Eigen::Index>(e)]) - me, df = local(f, x[static_cast<Eigen::Index>(f)]) - mf;
-  for (const int a : {0, 1})
-    for (const int b : {0, 1}) {
-      const double ne = a ? me : 1.0 - me, nf = b ? mf : 1.0 - mf;
-      const double weight = ne * nf + (a ? de : -de) * nf + (b ? df : -df) * ne;
-      Site<3> node{};
-      node[axis] = line / ratio;
-      node[e] = grid_cell(cell[e], ratio) + a;
-      node[f] = grid_cell(cell[f], ratio) + b;
-      const auto row = rows.find(node);
-      if (row == rows.end() || !host.add(row->second, share * weight)) return false;
-    }
-  return true;
-}
 
 /// As the points of a grid cell are carried; nodes that have nothing to say need no row.
 bool add_cell(const NodeRows& rows, Index ratio, const Site<3>& cell, const Vector<3>& x, Host& host)
@@ -64,7 +30,7 @@ bool add_cell(const NodeRows& rows, Index ratio, const Site<3>& cell, const Vect
       weight *= upper ? at : 1.0 - at;
       node[d] = low + (upper ? 1 : 0);
     }
-    if (std::abs(weight) < kOnLine) continue;
+    if (std::abs(weight) < kNothing) continue;
     const auto row = rows.find(node);
     if (row == rows.end() || !host.add(row->second, weight)) return false;
   }
@@ -308,36 +274,9 @@ pd::Exists<3> family_of(const SpaceShape& shape, Index reach)
 std::optional<Host> face_host(const SpaceShape& shape, const NodeRows& rows, const Vector<3>& x, const Site<3>& beyond)
 {
   if (!shape.has_point(beyond)) return std::nullopt;
-  const Index ratio = shape.of->material.ratio;
-  struct Face {
-    std::size_t axis;
-    Index line;
-    Site<3> cell;
-  };
-  std::vector<Face> faces;
-  const std::array<space_bonds::Beside, 3> near{space_bonds::beside(x[0]), space_bonds::beside(x[1]),
-                                                space_bonds::beside(x[2])};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (near[axis].count < 2) continue;
-    const std::size_t e = (axis + 1) % 3, f = (axis + 2) % 3;
-    for (std::size_t i = 0; i < near[e].count; ++i)
-      for (std::size_t j = 0; j < near[f].count; ++j) {
-        Site<3> below{}, above{};
-        below[e] = above[e] = near[e].cells[i];
-        below[f] = above[f] = near[f].cells[j];
-        below[axis] = near[axis].cells[0];
-        above[axis] = near[axis].cells[1];
-        if ((shape.where.active.has(below) && shape.has_point(above)) ||
-            (shape.where.active.has(above) && shape.has_point(below)))
-          faces.push_back({axis, above[axis], below});
-      }
-  }
   Host host;
-  for (const auto& [axis, line, cell] : faces)
-    if (!space_bonds::add_face(rows, ratio, axis, line, cell, x, 1.0 / static_cast<double>(faces.size()), host))
-      throw std::logic_error("a bond leaves through a face whose nodes have no rows");
-  if (faces.empty() && !space_bonds::add_cell(rows, ratio, beyond, x, host))
-    throw std::logic_error("a bond leaves through an edge whose nodes have no rows");
+  if (!space_bonds::add_cell(rows, shape.of->material.ratio, beyond, x, host))
+    throw std::logic_error("a bond leaves through a face whose nodes have no rows");
   return host;
 }
 

@@ -66,23 +66,22 @@ class Space(program.ProgramTest):
             self.assertTrue(0.039 <= results["spall_position"] <= 0.041, results["spall_position"])
             self.assertTrue(1.00e-3 <= results["spall_time"] <= 1.06e-3, results["spall_time"])
             self.assertEqual(results["spall_body"], "bar")
-            self.assertEqual(results["bonds_broken"], first["bonds_broken"])
+            self.assertEqual(run.history()[-1]["bonds_broken"], runs[0].history()[-1]["bonds_broken"])
             self.assertLess(abs(results["fracture_energy"] - first["fracture_energy"]), 1e-10 * first["fracture_energy"])
             self.assertLess(results["energy_drift_ratio"], 1e-3)
 
     def test_a_restart_between_conversions_changes_nothing(self):
         whole = self.solve(BAR)
-        for step in ("2080", "2200"):
-            directory = self.scratch / f"stopped_{step}"
-            self.solve(BAR | {"-ts_max_steps": step, "-checkpoint_interval": step}, 1, directory)
-            rest = self.solve(BAR | {"-restart": str(directory / "checkpoint.h5")}, 1, directory)
-            self.assertEqual(whole.summary["results"]["spall_time"], rest.summary["results"]["spall_time"])
-            self.assertEqual(whole.history(), rest.history())
+        directory, step = self.scratch / "stopped", "2200"  # points convert in seven of the steps from 2096 to 2648
+        self.solve(BAR | {"-ts_max_steps": step, "-checkpoint_interval": step}, 1, directory)
+        rest = self.solve(BAR | {"-restart": str(directory / "checkpoint.h5")}, 1, directory)
+        self.assertEqual(whole.summary["results"]["spall_time"], rest.summary["results"]["spall_time"])
+        self.assertEqual(whole.history(), rest.history())
 
     def test_a_cube_that_spins_keeps_its_momenta_as_it_becomes_particles(self):
         run = self.solve(SPINNING, 2)
         first, last = run.history()[0], run.history()[-1]
-        self.assertGreater(run.summary["results"]["relocations"], 0)
+        self.assertGreater(last["relocations"], 0)
         self.assertEqual(last["points"], 0)
         scale = sum(first[f"angular_momentum_{axis}"] ** 2 for axis in "xyz") ** 0.5
         for axis in "xyz":

@@ -26,10 +26,11 @@ using NodeRows = std::map<Site<3>, PetscInt>;
 /// particles within `reach` sites see of them.
 pd::Exists<3> family_of(const SpaceShape& shape, Index reach);
 
-/// What carries a place in which a bond leaves the particles: the nodes of the faces of points there. On each lattice
-/// cell of a face the trace is that of the nodes at its middle and its slope, so that forces of a uniform strain are
-/// handed on as those of a uniform traction; on a line of the lattice it is the mean of the cells beside it. Empty
-/// where `beyond`, the lattice cell that the bond goes on in, has no points.
+/// What carries a place in which a bond leaves the particles: the nodes of the face of points there, as they carry
+/// points. Bonds that cross a face of a grid cell hand uniform normal strains on as uniform tractions: each lattice
+/// cell is crossed alike by what its mirror images are. Shear leaves the moment of second order of a lattice cell,
+/// which cancels at nodes in faces and edges, not at corners. Empty where `beyond`, the lattice cell that the bond goes
+/// on in, has no points.
 /// @param x in spacings from the body's corner
 std::optional<Host> face_host(const SpaceShape& shape, const NodeRows& rows, const Vector<3>& x, const Site<3>& beyond);
 

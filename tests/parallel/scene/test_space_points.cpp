@@ -65,6 +65,9 @@ options::SceneOptions cube_of_points(const std::vector<geom::Box<3>>& boxes)
   return options;
 }
 
+bool inside(const Vector<3>& x) { return (x.array() > 1e-9).all() && (x.array() < 1.0 - 1e-9).all(); }
+bool everywhere(const Vector<3>&) { return true; }
+
 class SpaceCube {
 public:
   explicit SpaceCube(const options::SceneOptions& given)
@@ -103,15 +106,14 @@ public:
     return r;
   }
 
-  /// Largest force on a row inside the body, over that on the side of a cell at the largest strain of the field.
-  double unbalanced(const SpaceField& field, double strain, bool everywhere = false)
+  /// Largest force on a row that counts, over that on the side of a cell at the largest strain of the field.
+  double unbalanced(const SpaceField& field, double strain,
+                    const std::function<bool(const Vector<3>&)>& counts = inside)
   {
     const std::vector<double> r = force(field);
     double worst = 0.0;
     for (Index row = 0; row < rows(); ++row) {
-      const Vector<3> x = place(row);
-      const bool inside = (x.array() > 1e-9).all() && (x.array() < 1.0 - 1e-9).all();
-      if (inside || everywhere)
+      if (counts(place(row)))
         worst = std::max(worst, Eigen::Map<const Vector<3>>(&r[static_cast<std::size_t>(3 * row)]).norm());
     }
     MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
@@ -142,12 +144,20 @@ TEST(SpacePoints, UniformStrainIsInBalance)
   }
 }
 
-TEST(SpacePoints, ShearProbe)
+// Shear along the axes too, but at the corners of the particles: there a bond along (1, 1, 1) passes through a node,
+// and what lattice cells of a face leave of second order does not cancel.
+TEST(SpacePoints, ShearLeavesForcesAtCornersAlone)
 {
-  for (const auto& boxes : {kBlock, scattered()}) {
-    SpaceCube cube(cube_of_points(boxes));
-    std::printf("shear %g\n", cube.unbalanced(affine(kSmall * gradient({0, 1, 0, 1, 0, 0, 0, 0, 0})), kSmall));
-    std::printf("shear %g\n", cube.unbalanced(affine(kSmall * gradient({0, 1, 1, 1, 0, 1, 1, 1, 0})), kSmall));
+  SpaceCube cube(cube_of_points(kBlock));
+  const auto at_corner = [](const Vector<3>& x) {
+    const Vector<3> lower = kBlock[0].lower, upper = kBlock[0].upper;
+    return ((x - lower).cwiseAbs().cwiseMin((x - upper).cwiseAbs()).array() < 1e-9).all();
+  };
+  for (const Tensor<3>& shear :
+       {gradient({0, 1, 0, 1, 0, 0, 0, 0, 0}), gradient({0, 0.5, 0.5, 0.5, 0, 0.5, 0.5, 0.5, 0})}) {
+    const SpaceField field = affine(kSmall * shear); // of a largest principal strain of kSmall
+    EXPECT_LT(cube.unbalanced(field, kSmall, [&](const Vector<3>& x) { return inside(x) && !at_corner(x); }), 1e-12);
+    EXPECT_LT(cube.unbalanced(field, kSmall, at_corner), 0.03);
   }
 }
 
@@ -157,11 +167,11 @@ TEST(SpacePoints, RotationIsFreeOfForce)
   const Tensor<3> turn = Eigen::AngleAxisd(0.5, Vector<3>(1, 2, 3).normalized()).toRotationMatrix();
   for (const auto& boxes : {kBlock, kSlab, scattered()}) {
     SpaceCube cube(cube_of_points(boxes));
-    EXPECT_LT(cube.unbalanced(affine(turn - Tensor<3>::Identity()), 1.0, true), 2e-12);
+    EXPECT_LT(cube.unbalanced(affine(turn - Tensor<3>::Identity()), 1.0, everywhere), 2e-12);
   }
 }
 
-// Of any displacement: forces add up to nothing, and turn nothing about where they act now.
+// Of any displacement: forces add up to nothing.
 TEST(SpacePoints, ForcesKeepMomentum)
 {
   SpaceCube cube(cube_of_points(scattered()));
@@ -189,7 +199,7 @@ TEST(SpacePoints, MassIsThatOfTheBody)
   }
 }
 
-// A slab through the cube: waves along x are those of a laterally held bar, sigma = c11 e at every section.
+// A quadratic, whose slopes central differences have exactly.
 TEST(SpacePoints, ParticlesFillWithTheFieldOfTheirCells)
 {
   SpaceCube cube(cube_of_points(kBlock));

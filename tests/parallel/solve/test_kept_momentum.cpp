@@ -97,8 +97,7 @@ TEST(KeptMomentum, AngularMomentumOfAPlateThatTurns)
   test::Scene scene(flying_plate(false));
   const solve::MovingSystem moving(scene.system());
   const std::vector<double> rest(moving.owned(), 0.0);
-  const double found =
-      solve::angular_momentum(moving, rest, owned_of(scene, test::affine(0.0, -3.0, 3.0, 0.0)))[2];
+  const double found = solve::angular_momentum(moving, rest, owned_of(scene, test::affine(0.0, -3.0, 3.0, 0.0)))[2];
   const double h = 1.0 / 12.0, lumped = 0.5 * 3.0 * (2.0 / 3.0 + h * h / 3.0); // nodes for bulk: h^2/3 more
   EXPECT_NEAR(found, lumped, 0.25 * 0.5 * 3.0 * h * h / 3.0 + 1e-3);
   EXPECT_LT(found, lumped);
