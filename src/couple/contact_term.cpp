@@ -87,6 +87,7 @@ template <int Dim> void ContactTerm<Dim>::needed_rows(std::vector<PetscInt>& row
 template <int Dim> void ContactTerm<Dim>::bind(const field::RowHalo& halo)
 {
   points_.bind(halo);
+  local_size_ = static_cast<std::size_t>(halo.size()) * Dim;
   surface_rows_ = points_.all_rows();
   std::ranges::sort(surface_rows_);
   const auto repeated = std::ranges::unique(surface_rows_);
@@ -252,14 +253,78 @@ template <int Dim> double ContactTerm<Dim>::energy(std::span<const double> u) co
   return sum;
 }
 
-template <int Dim> void ContactTerm<Dim>::couplings(field::Couplings&, bool) const
+namespace {
+constexpr double kAlmost = 2.0 * kTouching; // of a size: as near is in touch
+
+[[noreturn]] void refuse_tangent() { throw std::logic_error("friction between bodies has no tangent"); }
+} // namespace
+
+template <int Dim> void ContactTerm<Dim>::couplings(field::Couplings& couplings, bool) const
 {
-  throw std::logic_error("contact between bodies has no tangent: explicit steps only");
+  if (law_.options().friction > 0.0) refuse_tangent();
+  if (points() == 0) return;
+  follow(std::vector<double>(local_size_, 0.0));
+  std::vector<Index> rows;
+  for (const Near& near : list_.near()) {
+    const auto take = [&](Index point) {
+      rows.insert(rows.end(), points_.rows(point).begin(), points_.rows(point).end());
+    };
+    rows.clear();
+    take(near.point);
+    for (const Index facet : list_.facets(near))
+      for (int c = 0; c < skin_.facet(facet).count; ++c) take(skin_.facet(facet).points[static_cast<std::size_t>(c)]);
+    std::ranges::sort(rows);
+    const auto repeated = std::ranges::unique(rows);
+    rows.erase(repeated.begin(), repeated.end());
+    for (const Index row : rows)
+      for (const Index column : rows) couplings.add(row, column);
+  }
 }
 
-template <int Dim> void ContactTerm<Dim>::add_jacobian(field::BlockAdder&, bool) const
+template <int Dim> void ContactTerm<Dim>::add_jacobian(field::BlockAdder& adder, bool) const
 {
-  throw std::logic_error("contact between bodies has no tangent: explicit steps only");
+  if (law_.options().friction > 0.0) refuse_tangent();
+  PDX_CALL(MatSetOption(adder.matrix(), MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  if (points() == 0) return;
+  static Event event("contact_jacobian");
+  const Timed timed(event);
+  follow(linearised_);
+  for (const Near& near : list_.near()) { // what touches without a force, too: it will push if it comes nearer
+    const double less = offset(near) - kAlmost * skin_.point(near.point).size;
+    const Touch<Dim> touch = deepest_touch<Dim>(skin_, list_.facets(near), x_, near.point, less);
+    if (touch.facet >= 0) add_tangent(near, touch, stiffness(near.point, near.body), adder);
+  }
+}
+
+/// What the places of a touch have of each other, handed on to the rows that carry them.
+template <int Dim>
+void ContactTerm<Dim>::add_tangent(const Near& near, const Touch<Dim>& touch, double k, field::BlockAdder& adder) const
+{
+  const auto& facet = skin_.facet(touch.facet);
+  std::vector<Index> places{near.point}, rows;
+  std::vector<Vector<Dim>> corners;
+  for (std::size_t c = 0; c < static_cast<std::size_t>(facet.count); ++c) {
+    places.push_back(facet.points[c]);
+    corners.push_back(x_[static_cast<std::size_t>(facet.points[c])]);
+  }
+  const ContactMatrix<Dim> tangent = contact_tangent<Dim>(touch, corners, k);
+  std::vector<std::pair<Eigen::Index, double>> carriers; // of each row: its place, and how much of it
+  for (std::size_t p = 0; p < places.size(); ++p)
+    for (std::size_t n = 0; n < points_.rows(places[p]).size(); ++n) {
+      rows.push_back(points_.rows(places[p])[n]);
+      carriers.emplace_back(static_cast<Eigen::Index>(p), points_.weights(places[p])[n]);
+    }
+  const std::size_t width = rows.size() * Dim;
+  std::vector<double> panel(width * width);
+  for (std::size_t r = 0; r < width; ++r)
+    for (std::size_t c = 0; c < width; ++c) {
+      const auto& [a, of_a] = carriers[r / Dim];
+      const auto& [b, of_b] = carriers[c / Dim];
+      panel[r * width + c] =
+          of_a * of_b *
+          tangent(Dim * a + static_cast<Eigen::Index>(r % Dim), Dim * b + static_cast<Eigen::Index>(c % Dim));
+    }
+  adder.add(rows, rows, panel);
 }
 
 template <int Dim> void ContactTerm<Dim>::add_stiffness_bound(std::span<double> blocks) const

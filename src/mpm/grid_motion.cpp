@@ -63,12 +63,14 @@ template <int Dim> void GridMotion<Dim>::lay_grid()
     }
     any = true;
   }
+  if (!any) upper[0] = PointLanes<Dim>::kLanes - 1;
   for (std::size_t d = 0; d < Dim; ++d) { // along x whole vectors, as blocks of cells are
     lower[d] -= d == 0 ? PointLanes<Dim>::kLanes : 1;
     upper[d] += d == 0 ? PointLanes<Dim>::kLanes : 1;
   }
   if (too_wide(lower, upper, any)) throw SolverFailure(kTooFar);
   nodes_ = GridNodes<Dim>(comm_, lower, upper);
+  find_borders();
 }
 
 /// Judged as if one rank had all, so that the number of ranks changes nothing.
@@ -125,10 +127,10 @@ template <int Dim> void GridMotion<Dim>::settle_velocity(bool momentum, bool for
                  !momentum, true);
 }
 
-template <int Dim> void GridMotion<Dim>::hold_nodes(double time, double kick, bool force, bool brought)
+template <int Dim>
+void GridMotion<Dim>::hold_nodes(double time, double kick, bool force, bool brought, const Layers& layers)
 {
   const NodeView<Dim>& view = nodes_.view();
-  if (force) hold_force_.assign(holds_.size(), 0.0);
   for (std::size_t k = 0; k < holds_.size(); ++k) {
     const GridHold<Dim>& hold = holds_[k];
     const auto axis = static_cast<std::size_t>(hold.axis);
@@ -141,6 +143,10 @@ template <int Dim> void GridMotion<Dim>::hold_nodes(double time, double kick, bo
                    high = std::floor((hold.box.upper[a] - origin_[a]) / rule_.side + kOnNode);
       from[d] = static_cast<Index>(std::max<double>(low, nodes_.lower()[d]));
       to[d] = static_cast<Index>(std::min<double>(high, nodes_.upper()[d]));
+      if (d == Dim - 1) {
+        from[d] = std::max(from[d], layers.from);
+        to[d] = std::min(to[d], layers.to);
+      }
       any = any && low <= nodes_.upper()[d] && high >= nodes_.lower()[d] && from[d] <= to[d];
     }
     if (!any) continue;
@@ -170,31 +176,23 @@ template <int Dim> void GridMotion<Dim>::hold_nodes(double time, double kick, bo
 template <int Dim> void GridMotion<Dim>::step(double time, double length, double kick)
 {
   const double end = time_ = time + length;
-  Taking strain{.strain = true, .step = length};
+  hold_force_.assign(holds_.size(), 0.0);
   if (rule_.order == Order::usf) {
     give_all({.momentum = true});
     settle_velocity(true, false, 0.0);
     hold_nodes(time, kick, false, false);
-    take_all(strain);
+    take_all({.strain = true, .step = length});
     give_all({.force = true});
     settle_velocity(false, true, kick);
     hold_nodes(end, kick, true, false);
     take_all({.velocity = true, .place = true, .step = length, .kick = kick});
-  } else {
+  } else if (rule_.order == Order::usl) {
     give_all({.momentum = true, .force = true});
     settle_velocity(true, true, kick);
     hold_nodes(end, kick, true, false);
-    if (rule_.order == Order::usl)
-      take_all({.velocity = true, .strain = true, .place = true, .step = length, .kick = kick});
-    else {
-      take_all({.velocity = true, .giving = true, .place = !rule_.late, .step = length, .kick = kick});
-      for (double* list : nodes_.view().brought)
-        settle_nodes(processor_, nodes_.mass(), point_mass_, 0.0, list, nullptr);
-      hold_nodes(end, kick, false, true);
-      strain.brought = true;
-      strain.place = rule_.late;
-      take_all(strain);
-    }
+    take_all({.velocity = true, .strain = true, .place = true, .step = length, .kick = kick});
+  } else {
+    musl_step(end, length, kick);
   }
   regroup();
 }
@@ -204,6 +202,7 @@ template <int Dim> std::vector<PointLanes<Dim>> GridMotion<Dim>::ended(double ha
   const std::vector<PointLanes<Dim>> before = points_;
   const std::vector<double> forces = hold_force_;
   const double work = work_, pic = std::exchange(rule_.pic, 0.0);
+  hold_force_.assign(holds_.size(), 0.0);
   give_all({.momentum = true, .force = true});
   settle_velocity(true, true, half);
   hold_nodes(time_, half, true, false);

@@ -48,7 +48,7 @@ GridNodes<Dim>::GridNodes(MPI_Comm comm, const Site<Dim>& lower, const Site<Dim>
       if (any && d > 0) lines *= static_cast<std::size_t>(both.upper[d] - both.lower[d] + 1);
     }
     if (!any) continue;
-    Shared shared{other, {}, {}, 0};
+    Shared shared{other, both.lower, both.upper, {}, {}, 0};
     for (std::size_t line = 0; line < lines; ++line) {
       Site<Dim> from = both.lower;
       std::size_t rest = line;
@@ -73,6 +73,15 @@ template <int Dim> std::size_t GridNodes<Dim>::number(const Site<Dim>& node) con
   std::ptrdiff_t at = 0;
   for (std::size_t d = 0; d < Dim; ++d) at += (node[d] - lower_[d]) * view_.step[d];
   return static_cast<std::size_t>(at);
+}
+
+template <int Dim> bool GridNodes<Dim>::is_shared(const Site<Dim>& lower, const Site<Dim>& upper) const
+{
+  return std::ranges::any_of(shared_, [&](const Shared& shared) {
+    bool any = true;
+    for (std::size_t d = 0; d < Dim; ++d) any = any && lower[d] <= shared.upper[d] && upper[d] >= shared.lower[d];
+    return any;
+  });
 }
 
 template <int Dim> void GridNodes<Dim>::add_up(std::span<double* const> lists)

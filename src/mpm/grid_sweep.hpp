@@ -12,14 +12,26 @@ template <int W, int Dim, class Shape, class Law, bool Momentum, bool Force> str
   const Vector<Dim>& push;
   const PointLanes<Dim>& points;
   const NodeView<Dim>& nodes;
+  SomeBlocks blocks;
 
   PDX_INLINE void all() const
   {
-    for (const auto& block : points.blocks())
-      for (int lane = 0; block.slots && lane < PointLanes<Dim>::kLanes; lane += W) {
-        const SomeLanes<W, Dim> lanes(block, lane);
+    const std::span<const typename PointLanes<Dim>::Block> mine = blocks.of(points.blocks());
+    for (std::size_t k = 0; k < mine.size(); ++k) {
+      if (mine[k].slots && k + 1 < mine.size()) fetch(mine[k + 1]);
+      for (int lane = 0; mine[k].slots && lane < PointLanes<Dim>::kLanes; lane += W) {
+        const SomeLanes<W, Dim> lanes(mine[k], lane);
         if (lanes.slots) some(lanes);
       }
+    }
+  }
+  /// Who gives is the first to read a point in a step, and blocks are longer than what the processor foresees.
+  PDX_INLINE void fetch(const typename PointLanes<Dim>::Block& next) const
+  {
+    constexpr std::size_t line = 8;
+    const double* const from = points.slot(next, 0);
+    for (std::size_t n = 0; n < static_cast<std::size_t>(next.slots) * PointLanes<Dim>::kSlot; n += line)
+      __builtin_prefetch(from + n);
   }
   PDX_INLINE void some(const SomeLanes<W, Dim>& lanes) const
   {
@@ -98,7 +110,7 @@ template <int W, int Dim, class Shape, bool Velocity, bool Brings, bool Strain, 
   PDX_INLINE void all() const
   {
     Lanes<W> gone[Dim] = {};
-    for (auto& block : points.blocks())
+    for (auto& block : what.blocks.of(points.blocks()))
       for (int lane = 0; block.slots && lane < kLanes; lane += W) {
         const SomeLanes<W, Dim> lanes(block, lane);
         if (lanes.slots && some(lanes, gone)) block.crossed = 1;
@@ -239,9 +251,11 @@ template <int Dim, class Shape, class Law, bool Momentum, bool Force> struct Giv
   const Vector<Dim>& push;
   const PointLanes<Dim>& points;
   const NodeView<Dim>& nodes;
+  SomeBlocks blocks;
   template <int W> PDX_INLINE void run() const
   {
-    GiveSweep<W, Dim, Shape, Law, Momentum, Force>{shape, law, mass, volume, per_side, push, points, nodes}.all();
+    GiveSweep<W, Dim, Shape, Law, Momentum, Force>{shape, law, mass, volume, per_side, push, points, nodes, blocks}
+        .all();
   }
 };
 template <int Dim, class Shape, bool Velocity, bool Brings, bool Strain, bool Place> struct Take {
@@ -267,11 +281,14 @@ void give_by(Processor processor, const GridRule& rule, const BodyMaterial& body
   const Shape shape(0.5 * body.spacing / rule.side);
   const double volume = point_volume<Dim>(body), mass = body.elastic.density * volume, per_side = 1.0 / rule.side;
   if (what.momentum && what.force)
-    run_on(processor, Give<Dim, Shape, Law, true, true>{shape, law, mass, volume, per_side, push, points, nodes});
+    run_on(processor,
+           Give<Dim, Shape, Law, true, true>{shape, law, mass, volume, per_side, push, points, nodes, what.blocks});
   else if (what.momentum)
-    run_on(processor, Give<Dim, Shape, Law, true, false>{shape, law, mass, volume, per_side, push, points, nodes});
+    run_on(processor,
+           Give<Dim, Shape, Law, true, false>{shape, law, mass, volume, per_side, push, points, nodes, what.blocks});
   else
-    run_on(processor, Give<Dim, Shape, Law, false, true>{shape, law, mass, volume, per_side, push, points, nodes});
+    run_on(processor,
+           Give<Dim, Shape, Law, false, true>{shape, law, mass, volume, per_side, push, points, nodes, what.blocks});
 }
 
 template <int Dim, class Shape>

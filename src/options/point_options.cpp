@@ -139,6 +139,8 @@ PointBodyOptions read_body(Options& o, const std::string& name, const law::Elast
                                 Range::positive());
   body.spacing =
       o.real(stem + "_spacing", spacing, "m", "spacing of its points; usually -mpm_spacing", Range::positive());
+  body.shape.move(read_motion(o, stem + "_translation", solid, "m",
+                              "dx,dy (solid: ,dz) from where its shape, hole and file say that it lies to its place"));
   body.velocity = read_motion(o, stem + "_velocity", solid, "m/s", "velocity at the start vx,vy (solid: ,vz)");
   body.spin = read_spin(o, stem + "_spin", solid);
   if (describe) return body;
@@ -171,6 +173,18 @@ void judge_condition(const SceneOptions& s, const BoundaryCondition& c)
                                         : "rows"));
 }
 } // namespace
+
+void PointShape::move(const Vector<3>& by)
+{
+  if (box) box = geom::Box<3>{box->lower + by, box->upper + by};
+  for (std::optional<Ball>* ball : {&disc, &sphere, &hole})
+    if (*ball) (*ball)->centre += by;
+  for (auto& edge : border)
+    for (Vector<2>& x : edge) x += by.head<2>();
+  z_lower += by[2];
+  z_upper += by[2];
+  file_moved += by;
+}
 
 PointShape PointShape::inside(const geom::Frame& frame) const
 {
@@ -356,8 +370,8 @@ void judge_solved(const SceneOptions& s)
 {
   const std::string given = s.time.dynamic() ? "-analysis implicit" : "-analysis static";
   const std::size_t bodies = s.points.bodies.size() + (s.mesh.cells[0] > 0 || !s.mesh.file.empty() ? 1 : 0);
-  if (s.points.contact.active && bodies > 1)
-    throw UserError(given + " has no contact between bodies: give -analysis explicit, or -contact none");
+  if (s.points.contact.active && bodies > 1 && s.points.contact.friction > 0.0)
+    throw UserError(given + " knows no friction between bodies: give -analysis explicit, or drop -contact_friction");
   if (s.points.viscosity > 0.0)
     throw UserError("-mpm_bulk_viscosity is of explicit steps: give -analysis explicit, or drop it");
   if (s.pd.any() && s.pd.solver == PdOperator::matrix_free)

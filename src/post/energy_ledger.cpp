@@ -26,11 +26,12 @@ const EnergyBalance& EnergyLedger::accept(double load, std::span<const double> u
     at_.u[i] = u[i];
   }
   at_.force = std::move(force);
-  double sums[] = {work, mine.elements, mine.bonds, mine.interface, mine.dissipated, mine.points};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 6, MPI_DOUBLE, MPI_SUM, system_.rows.comm);
+  double sums[] = {work, mine.elements, mine.bonds, mine.interface, mine.dissipated, mine.points, mine.contact};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 7, MPI_DOUBLE, MPI_SUM, system_.rows.comm);
   at_.balance.work += sums[0];
   at_.balance.energies = {sums[1], sums[2], sums[3], sums[4]};
   at_.balance.energies.points = sums[5];
+  at_.balance.energies.contact = sums[6];
   return at_.balance;
 }
 } // namespace pdx::post

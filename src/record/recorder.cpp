@@ -48,7 +48,7 @@ void Recorder::open_history()
   std::vector<io::Column> columns{
       {"step", "-"}, {"load", "-"}, {"energy_elements", "J"}, {"energy_bonds", "J"}, {"energy_interface", "J"},
       {"work", "J"}};
-  if (d_->has_points()) columns.insert(columns.end() - 1, {"energy_points", "J"});
+  if (d_->has_points()) columns.insert(columns.end() - 1, {{"energy_points", "J"}, {"energy_contact", "J"}});
   if (options_.thermal.duration > 0.0) columns.insert(columns.begin() + 2, {"time", "s"});
   if (files_.grows()) {
     columns.insert(columns.end(), {{"energy_fracture", "J"}, {"passes", "-"}, {"bonds_broken", "-"}});
@@ -86,7 +86,7 @@ void Recorder::write_history(const solve::Step& step, Vec u)
   const post::EnergyBalance& balance = ledger_->balance();
   std::vector<double> row{static_cast<double>(step.number), step.load, balance.energies.elements,
                           balance.energies.bonds, balance.energies.interface};
-  if (d_->has_points()) row.push_back(balance.energies.points);
+  if (d_->has_points()) row.insert(row.end(), {balance.energies.points, balance.energies.contact});
   row.push_back(balance.work);
   if (options_.thermal.duration > 0.0) row.insert(row.begin() + 2, options_.thermal.time(step.load));
   if (files_.grows()) {
@@ -166,7 +166,10 @@ void Recorder::write_results(Vec u, const Prior& prior, const post::Displacement
   results["strain_energy_elements"] = balance.energies.elements;
   results["strain_energy_bonds"] = balance.energies.bonds;
   results["strain_energy_interface"] = balance.energies.interface;
-  if (d_->has_points()) results["strain_energy_points"] = balance.energies.points;
+  if (d_->has_points()) {
+    results["strain_energy_points"] = balance.energies.points;
+    results["strain_energy_contact"] = balance.energies.contact;
+  }
   results["external_work"] = balance.work;
   if (files_.grows()) {
     results["fracture_energy"] = balance.energies.dissipated;
@@ -256,6 +259,7 @@ RecorderNotes Recorder::notes() const
                                    {"energy_bonds", balance.energies.bonds},
                                    {"energy_interface", balance.energies.interface},
                                    {"energy_points", balance.energies.points},
+                                   {"energy_contact", balance.energies.contact},
                                    {"dissipated", balance.energies.dissipated}});
   for (std::size_t k = 0; k < reactions_.now.size(); ++k) {
     notes.numbers[fmt::format("reaction_{}", k)] = reactions_.now[k];
@@ -293,6 +297,7 @@ void Recorder::take_notes(const RecorderNotes& notes, double load, std::vector<d
   balance.energies.bonds = n.at("energy_bonds");
   balance.energies.interface = n.at("energy_interface");
   if (const auto points = n.find("energy_points"); points != n.end()) balance.energies.points = points->second;
+  if (const auto contact = n.find("energy_contact"); contact != n.end()) balance.energies.contact = contact->second;
   balance.energies.dissipated = n.at("dissipated");
   ledger_ = std::make_unique<post::EnergyLedger>(
       d_->system, post::LedgerState{std::move(u), post::external_force(d_->system, load, internal_force), balance});

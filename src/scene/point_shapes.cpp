@@ -103,7 +103,9 @@ mpm::Body<Dim> enclosed_body(const options::PointBodyOptions& body, const mpm::B
 template <int Dim> pd::Cloud<Dim> read_points(const options::PointBodyOptions& body)
 {
   try {
-    return pd::read_cloud<Dim>(body.shape.file);
+    pd::Cloud<Dim> cloud = pd::read_cloud<Dim>(body.shape.file);
+    for (Vector<Dim>& x : cloud.points) x += body.shape.file_moved.template head<Dim>();
+    return cloud;
   } catch (const UserError& wrong) {
     throw UserError(fmt::format("-mpm_{}_file: {}", body.name, wrong.what()));
   }

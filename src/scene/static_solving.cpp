@@ -26,6 +26,7 @@ solve::StaticOptions static_options(const options::SceneOptions& options, const 
   solve::StaticOptions steps;
   steps.load_steps = options.load.steps;
   steps.assembled = assembled;
+  steps.full_steps = d.touching != nullptr;
   steps.condense = static_cast<solve::Condense>(options.load.condense); // of the same words
   steps.max_passes = options.load.passes;
   steps.max_halvings = options.load.halvings;

@@ -48,6 +48,11 @@ void StaticDriver::configure()
     PDX_CALL(SNESSetLagJacobian(snes, -2));
     PDX_CALL(SNESSetLagJacobianPersists(snes, PETSC_TRUE));
   }
+  if (options_.full_steps) {
+    SNESLineSearch search = nullptr;
+    PDX_CALL(SNESGetLineSearch(snes, &search));
+    PDX_CALL(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  }
   PDX_CALL(SNESGetKSP(snes, &ksp_));
   PDX_CALL(KSPSetType(ksp_, system_.symmetric() ? KSPCG : KSPGMRES));
   if (!system_.symmetric()) {

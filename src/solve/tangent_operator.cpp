@@ -108,6 +108,10 @@ std::vector<int> TangentOperator::moved_terms()
 /// then copied, until one of them changes too.
 void TangentOperator::keep_steady(const std::vector<int>& moved)
 {
+  PetscObjectState pattern = 0;
+  PDX_CALL(MatGetNonzeroState(sparse_.get(), &pattern));
+  if (pattern != pattern_) steady_.reset(); // what comes to touch has places of its own
+  pattern_ = pattern;
   bool valid = static_cast<bool>(steady_);
   for (std::size_t t = 0; valid && t < moved.size(); ++t) valid = !moved[t] || !in_steady_[t];
   if (valid) return;

@@ -66,6 +66,13 @@ STRETCHED = {"-case": "stretched", "-material_young": "1e9", "-material_poisson"
              "-bc_names": "left,bottom,right", "-bc_left_on": "left", "-bc_left_displacement": "0,free", "-bc_bottom_on": "bottom",
              "-bc_bottom_displacement": "free,0", "-bc_right_on": "right", "-bc_right_displacement": "1e-6,free", "-quiet": ""}
 PATCHED = STRETCHED | {"-pd_patches": "0.4,0.04,0.6,0.16", "-pd_spacing": "0.02", "-pd_horizon_ratio": "3", "-bc_right_displacement": "1e-8,free"}
+# Two halves of that bar in touch, a half each held so that it narrows freely.
+HALVES = STRETCHED | {"-material_poisson": "0", "-mpm_bodies": "a,b", "-mpm_bar_box": None, "-mpm_spacing": "0.025", "-mpm_a_box": "0,0,0.5,0.2",
+                      "-mpm_b_box": "0.5,0,1,0.2", "-bc_left_of": "a", "-bc_right_of": "b"}
+# Two cantilevers, one on top of the other; what pushes the upper one down bends both.
+BEAMS = HALVES | {"-mpm_spacing": "0.0125", "-mpm_a_box": "0,0,1,0.1", "-mpm_b_box": "0,0,1,0.1", "-mpm_b_translation": "0,0.1",
+                  "-bc_names": "left,right", "-bc_bottom_on": None, "-bc_bottom_displacement": None, "-bc_left_of": None, "-bc_left_displacement": "0,0", "-bc_right_displacement": None,
+                  "-bc_right_traction": "0,-1e4"}
 SPINNING = DISC | {"-mpm_disc_velocity": None, "-mpm_disc_spin": "200"}
 
 
@@ -98,6 +105,42 @@ class AtRest(program.ProgramTest):
         shear = 200 / (5 / 6 * 3.75e8 * 0.2 * 0.01)  # P L / (k G A) with P = 200 N
         self.assertAlmostEqual(far / (200 / (3 * 1e9 * 0.01 * 0.2**3 / 12) + shear), 1.0, delta=0.02)  # P L^3 / (3 E I)
         self.assertAlmostEqual(far / theirs["max_displacement_component"], 1.0, delta=0.02)
+
+    def test_halves_that_are_pressed_together_act_as_one_bar(self):
+        for ranks in (1, 2):
+            results = pdxtools.read_summary(self.solve(HALVES | {"-bc_right_displacement": "-1e-5,free"}, ranks).directory)["results"]
+            # E A / L, but for the last cell of either: what pushes at 3/4 of it strains it by 3/4, over 3/4 of its length
+            push = 1e9 * 0.2 * 0.01 * 1e-5 / (1.0 - 2 * (0.75 - 0.75**2) * 0.05)
+            self.assertAlmostEqual(results["reaction"]["left"][0] / push, 1.0, delta=1e-4)
+            self.assertAlmostEqual(results["reaction"]["left"][0] / -results["reaction"]["right"][0], 1.0, delta=1e-7)
+            self.assertAlmostEqual(results["external_work"] / results["strain_energy"], 1.0, delta=1e-4)  # finite stretches
+            self.assertGreater(results["strain_energy_contact"], 0.0)
+        apart = pdxtools.read_summary(self.solve(HALVES | {"-bc_right_displacement": "1e-5,free"}).directory)["results"]
+        self.assertLess(abs(apart["reaction"]["right"][0]), 1e-6 * push)
+
+    def test_beams_on_top_of_each_other_bear_half_each(self):
+        both = pdxtools.read_summary(self.solve(BEAMS | {"-bc_right_of": "b"}, 2).directory)["results"]
+        alone = {key: value for key, value in BEAMS.items() if not key.startswith("-mpm_b_")} | {"-mpm_bodies": "a", "-bc_right_of": None}
+        one = pdxtools.read_summary(self.solve(alone).directory)["results"]
+        far = both["max_displacement_component"]
+        self.assertAlmostEqual(far / one["max_displacement_component"], 0.5, delta=0.01)
+        shear = 0.5 * 10 / (5 / 6 * 5e8 * 0.1 * 0.01)  # half of P = 10 N, over k G A / L
+        self.assertAlmostEqual(far / (0.5 * 10 / (3 * 1e9 * 0.01 * 0.1**3 / 12) + shear), 1.0, delta=0.05)
+
+    def test_bars_that_collide_in_implicit_steps_change_places(self):
+        hit = {key: value for key, value in HALVES.items() if not key.startswith("-bc_")}
+        hit |= {"-analysis": "implicit", "-mpm_a_velocity": "1,0", "-ts_dt": "2e-5", "-ts_max_time": "1.4e-3", "-output_history": ""}
+        rows = self.solve(hit, 2).history()
+        for row in rows:
+            self.assertAlmostEqual(row["momentum_x"] / rows[0]["momentum_x"], 1.0, delta=1e-7)
+        self.assertAlmostEqual(rows[-1]["velocity_b_x"], 1.0, delta=0.05)  # a plane wave throws the second
+        self.assertAlmostEqual(rows[-1]["contact_a_b_impulse_x"] / -(1e3 * 0.5 * 0.2 * 0.01), 1.0, delta=0.05)
+
+    def test_bodies_are_moved_to_their_places(self):
+        there = HALVES | {"-bc_right_displacement": "-1e-5,free", "-mpm_b_box": "-2,1,-1.5,1.2", "-mpm_b_translation": "2.5,-1"}
+        run, moved = self.solve(HALVES | {"-bc_right_displacement": "-1e-5,free"}), self.solve(there)
+        for key in ("strain_energy", "reaction"):
+            self.assertEqual(pdxtools.read_summary(run.directory)["results"][key], pdxtools.read_summary(moved.directory)["results"][key])
 
 
 class Points(program.ProgramTest):

@@ -3,6 +3,7 @@
 #include "pdx/couple/contact_grip.hpp"
 #include "pdx/couple/contact_list.hpp"
 #include "pdx/couple/contact_start.hpp"
+#include "pdx/couple/contact_tangent.hpp"
 #include "pdx/field/term.hpp"
 
 namespace pdx::couple {
@@ -20,7 +21,7 @@ template <int Dim> struct NamedGrip {
   double stretch = 0.0; ///< [m]
 };
 
-/// Contact between bodies by penalty on carried points, see ContactLaw, and Coulomb friction, for explicit steps. Every
+/// Contact between bodies by penalty on carried points, see ContactLaw, and in explicit steps Coulomb friction. Every
 /// rank that moves a surface point of a body that may touch another has the rows of all such points in its halo, so
 /// that nothing but the halo of u travels: forces are evaluated on each rank whose rows they act on, by the same
 /// arithmetic. Near points are looked for where any has moved by more than the list allows; each rank looks when it has
@@ -36,8 +37,11 @@ public:
   void bind(const field::RowHalo& halo) override;
   void add_residual(std::span<const double> u, std::span<double> r) const override;
   double energy(std::span<const double> u) const override;
-  void couplings(field::Couplings& couplings, bool whole) const override; ///< throws: there is no tangent
-  void add_jacobian(field::BlockAdder& adder, bool whole) const override; ///< throws: there is no tangent
+  void linearise(std::span<const double> u) override { linearised_.assign(u.begin(), u.end()); }
+  /// Of what is near at displacement 0; `add_jacobian` lets the matrix grow where others come to touch. Both throw
+  /// where there is friction, which has no tangent.
+  void couplings(field::Couplings& couplings, bool whole) const override;
+  void add_jacobian(field::BlockAdder& adder, bool whole) const override;
   bool symmetric() const override { return law_.options().friction == 0.0; }
   /// Of bodies that just touch, everywhere at their surfaces: at most two others at one point.
   void add_stiffness_bound(std::span<double> blocks) const override;
@@ -78,6 +82,7 @@ private:
   template <class Visit, class LetGo> void for_each_touch(Visit&& visit, LetGo&& let_go) const;
   void push(const Near& near, const Touch<Dim>& touch, double k, const Traction<Dim>* traction) const;
   void let_go(const Grip<Dim>& grip) const;
+  void add_tangent(const Near& near, const Touch<Dim>& touch, double k, field::BlockAdder& adder) const;
   double offset(const Near& near) const;
 
   field::Rows rows_;
@@ -89,6 +94,8 @@ private:
   std::vector<Index> surface_rows_;          // local, ascending
   double largest_weight_ = 1.0;              // sum |w| of a point
   double beyond_ = 0.0;                      // [m]
+  std::size_t local_size_ = 0;               // of displacements
+  std::vector<double> linearised_;           // displacement of the tangent [m]
 
   std::vector<Grip<Dim>> grips_, saved_; // ascending by point, then body
   mutable std::vector<Grip<Dim>> next_grips_;

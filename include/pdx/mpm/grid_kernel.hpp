@@ -4,8 +4,11 @@
 #include "pdx/mpm/grid_rule.hpp"
 #include "pdx/mpm/point_lanes.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
+#include <span>
 
 /// What points and nodes of a grid that is fixed in space hand to each other, lanes of cells at a time.
 namespace pdx::mpm {
@@ -19,10 +22,20 @@ template <int Dim> struct NodeView {
   std::array<double*, Dim> brought{};     ///< sum of the momenta of points that were moved, then velocity
 };
 
+/// Blocks of points from one to before another.
+struct SomeBlocks {
+  std::size_t from = 0, to = std::numeric_limits<std::size_t>::max();
+  template <class Block> std::span<Block> of(std::span<Block> all) const
+  {
+    return all.subspan(from, std::min(to, all.size()) - from);
+  }
+};
+
 /// What points give to nodes.
 struct Giving {
   bool momentum = false; ///< with mass
   bool force = false;    ///< internal, and `push` of each point
+  SomeBlocks blocks{};   ///< whose points
 };
 
 /// What points take from nodes, in this order.
@@ -34,6 +47,7 @@ struct Taking {
   bool brought = false;  ///< for the last two: the velocity in `brought`
   double step = 0.0;     ///< of strain and place [s]
   double kick = 0.0;     ///< of velocity [s]
+  SomeBlocks blocks{};   ///< whose points
 };
 
 /// Any of these that kernels are made for: {momentum, force}, {momentum}, {force}.

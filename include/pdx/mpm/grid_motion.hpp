@@ -5,6 +5,8 @@
 #include "pdx/mpm/grid_nodes.hpp"
 
 #include <functional>
+#include <limits>
+#include <utility>
 #include <vector>
 
 namespace pdx::mpm {
@@ -51,13 +53,23 @@ public:
   } ///< on each hold's nodes in the last step, this rank's part [N]
 
 private:
+  /// Layers of nodes across the last axis, both within.
+  struct Layers {
+    Index from = std::numeric_limits<Index>::min(), to = std::numeric_limits<Index>::max();
+  };
   void lay_grid();
+  void find_borders();
   bool too_wide(const Site<Dim>& lower, const Site<Dim>& upper, bool any) const;
   void regroup();
   void give_all(const Giving& what);
   void take_all(const Taking& what);
   void settle_velocity(bool momentum, bool force, double kick);
-  void hold_nodes(double time, double kick, bool force, bool brought);
+  void hold_nodes(double time, double kick, bool force, bool brought, const Layers& layers = {});
+  void musl_step(double end, double length, double kick);
+  std::pair<std::size_t, std::size_t> nodes_of(const Layers& layers) const;
+  SomeBlocks layer_of(std::size_t body, Index layer) const;
+  template <class Visit> void for_each_inner(Index layer, Visit&& visit) const;
+  void take_from(std::size_t body, Taking what, const SomeBlocks& blocks);
 
   MPI_Comm comm_;
   GridRule rule_;
@@ -67,7 +79,9 @@ private:
   std::vector<Vector<Dim>> push_;
   std::vector<GridHold<Dim>> holds_;
   GridNodes<Dim> nodes_;
-  double work_ = 0.0, time_ = 0.0; ///< [J]; at the end of the last step [s]
+  std::vector<std::vector<std::vector<SomeBlocks>>> inner_; ///< by body and layer: whose nodes no other rank has
+  std::vector<std::vector<SomeBlocks>> border_;             ///< by body: the others
+  double work_ = 0.0, time_ = 0.0;                          ///< [J]; at the end of the last step [s]
   std::vector<double> hold_force_;
   double point_mass_ = 0.0; ///< least of all [kg]
   Processor processor_ = chosen_processor();

@@ -25,6 +25,8 @@ public:
   } ///< this rank counts it in sums over nodes
 
   void clear(double* list) { std::fill_n(list, size_, 0.0); }
+  /// Has another rank a node of that box too?
+  bool is_shared(const Site<Dim>& lower, const Site<Dim>& upper) const;
   /// Adds up lists of this rank and others. Collective.
   void add_up(std::span<double* const> lists);
 
@@ -32,6 +34,7 @@ private:
   /// Nodes that another rank has too, as pieces of lines.
   struct Shared {
     int rank = 0;
+    Site<Dim> lower{}, upper{};
     std::vector<std::size_t> first, length;
     std::size_t nodes = 0;
   };

@@ -29,6 +29,9 @@ struct PointShape {
   std::vector<std::array<Vector<2>, 2>> border; ///< edges of a polygon, or of a region of a mesh, in any order [m]
   std::string file;                             ///< of points, as those of -pd_cloud
   double z_lower = 0.0, z_upper = 0.0;          ///< in space: where disc, polygon and region begin and end [m]
+  Vector<3> file_moved = Vector<3>::Zero();     ///< on top of what the file says [m]
+
+  void move(const Vector<3>& by);
 
   /// What the shape is in a frame.
   PointShape inside(const geom::Frame& frame) const;

@@ -18,7 +18,8 @@ enum class Condense { automatic, on, off };
 /// How a static scene is solved; everything else is PETSc's (-snes_, -ksp_, -pc_, -mg_).
 struct StaticOptions {
   int load_steps = 1;
-  bool assembled = false;                  ///< one MATAIJ instead of the matrix-free two-level solver
+  bool assembled = false;  ///< one MATAIJ instead of the matrix-free two-level solver
+  bool full_steps = false; ///< of Newton: what comes to touch or parts makes kinks that searches along a line stop at
   Condense condense = Condense::automatic; ///< see StaticSolver
   int max_passes = 1000;                   ///< solves at one load; more: the increment is halved
   std::int64_t max_changes = 0;            ///< of an increment; more: it is halved; 0: no limit

@@ -42,6 +42,7 @@ private:
   MatHandle sparse_, shell_;
   MatHandle steady_;                    // sum of the Terms that did not change lately; none before something changed
   std::vector<std::uint8_t> in_steady_; // per Term
+  PetscObjectState pattern_ = 0;        // of the matrix that steady_ is like
   std::vector<std::int64_t> revisions_; // of the Terms at the last update
   std::vector<Index> held_components_;  // owned
   std::vector<double> masked_;
