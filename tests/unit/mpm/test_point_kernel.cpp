@@ -21,7 +21,7 @@ template <int Dim> struct Grid {
   std::vector<mpm::CellRun<Dim>> runs;
   std::vector<double> u, v;
 
-  /// @param length cells along x
+  /// @param length cells along a run
   Grid(const BodyMaterial& b, std::uint64_t mask, Index length) : body(b), points(b, mask)
   {
     const Index lines = 3, planes = Dim == 3 ? 2 : 1, per_line = length + 3; // rows of others in between
@@ -31,10 +31,13 @@ template <int Dim> struct Grid {
         run.cells = length;
         for (Index x = 0; x < length; ++x) {
           mpm::CellRows<Dim> rows;
-          for (Index a = 0; a < mpm::kCorners<Dim>; ++a)
-            rows[static_cast<std::size_t>(a)] =
-                ((z + (a >> 2)) * (lines + 1) + y + (a >> 1 & 1)) * per_line + x + (a & 1);
-          for (std::size_t line = 0; x == 0 && line < run.first.size(); ++line) run.first[line] = rows[2 * line];
+          for (Index a = 0; a < mpm::kCorners<Dim>; ++a) { // a run goes along x, in space along z
+            const Index along = Dim == 2 ? a & 1 : a >> 2, second = Dim == 2 ? a >> 1 : a & 1;
+            const Index third = Dim == 2 ? 0 : a >> 1 & 1;
+            rows[static_cast<std::size_t>(a)] = ((z + third) * (lines + 1) + y + second) * per_line + x + along;
+          }
+          for (std::size_t line = 0; x == 0 && line < run.first.size(); ++line)
+            run.first[line] = rows[mpm::CellRun<Dim>::corner(line)];
           cells.push_back(rows);
         }
         runs.push_back(run);
