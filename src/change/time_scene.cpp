@@ -36,7 +36,7 @@ TimeScene::Moment TimeScene::moment(const adapt::LayoutChange& change,
 {
   const scene::Standing standing = scene_->standing();
   couple::BondBreaker* breaker = standing.model->breaker;
-  Moment now{scene::capture(standing, *driver_, cracks),
+  Moment now{scene::capture(standing, *driver_, cracks, change.empty() ? scene::Moves::all : scene::Moves::alone),
              breaker ? breaker->mine() : pd::Broken{},
              driver_->clock(),
              standing.model->rank_sums(),

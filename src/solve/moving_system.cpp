@@ -125,7 +125,8 @@ void MovingSystem::resume(double time, double work, const Damped& damped, std::s
   work_ = work;
   damped_ = damped;
   const auto& held = system.prescribed.components;
-  for (std::size_t k = 0; k < held.size(); ++k) held_[k] = held_force[static_cast<std::size_t>(held[k])];
+  for (std::size_t k = 0; k < held.size() && !held_force.empty(); ++k)
+    held_[k] = held_force[static_cast<std::size_t>(held[k])];
   load_at(time);
 }
 
