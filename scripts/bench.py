@@ -3,10 +3,11 @@
 
 usage: bench.py [--executable build/release/pdxsolve] [--rounds 5] [--out out/bench] [--only PART,PART]
 Parts without cracks: speed, size, ranks, pareto. With cracks: coupled and direct (coupled against particles only, default
-and direct solver), statics (elements eliminated or kept), run (dcb row 3), sequence (a crack that grows from solve to solve), notch_pareto,
+and direct solver), statics (elements eliminated or kept, relocation, ranks), run (dcb row 3), sequence (a crack that grows from solve to solve), notch_pareto,
 beam_pareto. In time: kernels (of bonds), elements (their kernels), carried (bonds to elements against those between
-particles), layout (a change of it), program (whole runs, one and two ranks), pulse_pareto, scaling (on 1, 2, 4 ... ranks up to --ranks; PDX_LAUNCH
-says what starts them, see scaling.py), points (material points: kernels and program).
+particles), layout (a change of it), program (whole runs, one and two ranks), pulse_pareto, scaling (on 1, 2, 4 ... ranks up
+to --ranks; PDX_LAUNCH says what starts them, see scaling.py), points (material points: kernels and program), peers (a plate in
+LAMMPS, where it is installed).
 The two sides of a ratio run in turn, round after round; the quoted numbers are medians. One-rank runs are pinned to a
 core. Writes bench.json, table.md and pictures into the output directory.
 """
@@ -20,7 +21,9 @@ import numpy as np
 from bench_fracture import FractureBench
 from bench_machine import ROOT
 from bench_motion import MotionBench
+from bench_peers import PeerBench
 from bench_points import PointBench
+from bench_statics import StaticBench
 from scaling import cores
 
 LENGTH = 5e-3  # side of the plate [m]
@@ -46,7 +49,7 @@ def particles(count, cells=None):
     return scene + (["-mesh_cells", f"{cells[0]},{cells[1]}"] if cells else [])
 
 
-class AllBench(FractureBench, MotionBench, PointBench):
+class AllBench(FractureBench, StaticBench, MotionBench, PointBench, PeerBench):
     def speed(self):
         """Default solver against the assembled matrix under CG and BoomerAMG, assembly and set-up included."""
         scenes = {"coarse plate, h = 2 dx": (coupled(100, 2), 3.0, None), "fine plate, h = 5 dx": (coupled(100, 5), 9.0, None),
@@ -129,12 +132,14 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/bench")
     parser.add_argument("--only", default="speed,size,ranks,pareto,coupled,direct,statics,run,sequence,notch_pareto,beam_pareto,"
-                        "kernels,elements,carried,layout,program,pulse_pareto,scaling,points")
+                        "kernels,elements,carried,layout,program,pulse_pareto,scaling,points,peers")
+    parser.add_argument("--increments", type=int, default=StaticBench.increments, help="statics: of dcb while it grows (%(default)s)")
     parser.add_argument("--package", default="cholmod", help="direct: -pc_factor_mat_solver_type of both sides")
     parser.add_argument("--ranks", type=int, default=cores(), help="scaling: the most (%(default)s)")
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     bench = AllBench(arguments.executable, arguments.rounds, arguments.out)
+    bench.increments = arguments.increments
     bench.package, bench.most_ranks = arguments.package, arguments.ranks
     for part in arguments.only.split(","):
         getattr(bench, {"run": "whole_run"}.get(part, part))()

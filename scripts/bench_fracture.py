@@ -99,37 +99,6 @@ class FractureBench(Bench):
                                   lambda papers, ratio: papers)
         self.table(f"Coupled against particles only, direct solver ({self.package}), one core", self.HEADER, rows)
 
-    def statics(self):
-        """Elements eliminated once per layout against elements kept as unknowns, and against particles only."""
-        increments, off = INCREMENTS, ["-static_condense", "off"]
-        scenes = {name: dcb(name, increments) for name in ("pd_only", "snail", "row1", "row3")}
-        scenes |= {f"{name} kept": dcb(name, increments) + off for name in ("snail", "row1", "row3")}
-        for cells in ("180,90", "360,180"):
-            fine = dcb("row1", increments) + ["-mesh_cells", cells]
-            scenes |= {f"row1, {cells} elements": fine, f"row1, {cells} elements kept": fine + off}
-        runs = self.rounds_of(scenes)
-        cost = {name: median(run["busy_share"] * growing(run)[0] for run in of) for name, of in runs.items()}
-        unknowns = {name: of[0]["unknowns"]["total"] for name, of in runs.items()}
-        goals = {"snail": 18, "row1": 12, "row3": 5, "row1, 180,90 elements": 2.5, "row1, 360,180 elements": 3.5}
-        rows = []
-        for name, goal in goals.items():
-            one, other = runs[name][0], runs[f"{name} kept"][0]
-            against, gain = cost["pd_only"] / cost[name], cost[f"{name} kept"] / cost[name]
-            ratio = unknowns["pd_only"] / unknowns[name]
-            fine = "elements" in name
-            self.results[f"statics {name}"] = {
-                "condensed": cost[name], "kept": cost[f"{name} kept"], "particles": cost["pd_only"], "gain": gain,
-                "speed_up": against, "over_unknowns": against / ratio, "told": one["results"]["static_condense"],
-                "same_bonds": one["bonds_broken"] == other["bonds_broken"]}
-            rows.append([f"dcb {name}", f"{1e3 * cost[f'{name} kept']:.1f}", f"{1e3 * cost[name]:.1f}",
-                         f"**{gain:.2f}**" + (f" (goal {goal})" if fine else ""), f"{1e3 * cost['pd_only']:.1f}",
-                         "" if fine else f"**{against:.1f}** (goal {goal})", "" if fine else f"{against / ratio:.2f} (goal 1.4)",
-                         f"{one['bonds_broken']} / {other['bonds_broken']}",
-                         one["results"]["static_condense"]])
-        self.table("Elements eliminated once per layout: per solve while the crack grows, one core",
-                   ["scene", "elements kept [ms]", "eliminated [ms]", "times faster", "particles only [ms]",
-                    "over particles only", "over the ratio of unknowns", "bonds broken", "told"], rows)
-
     def whole_run(self):
         """All increments of dcb row 3 in units of one assembled cold solve of the first."""
         runs = self.rounds_of({"assembled": dcb("row3", 1) + ASSEMBLED, "default": dcb("row3", 200)})

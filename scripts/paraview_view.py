@@ -7,7 +7,9 @@ Reads fields.xdmf; from ParaView 5.12 on the files of pdxsolve-vtkhdf instead, w
 """
 
 import argparse
+import os
 import pathlib
+import sys
 
 from paraview import simple
 
@@ -87,6 +89,8 @@ def main():
     parser.add_argument("--step", type=int, default=-1, help="number of the step, from 0, or -1 for the last")
     parser.add_argument("--scale", type=float, default=0.0, help="of displacements (default: chosen)")
     options = parser.parse_args()
+    if options.output and sys.platform == "linux" and not os.environ.get("DISPLAY"):
+        print("no DISPLAY: a ParaView that draws by X alone, as Debian's, ends here; xvfb-run -a pvpython ... lends it one", file=sys.stderr)
     blocks, times = sources(options.run.resolve())
     scene = simple.GetAnimationScene()
     scene.UpdateAnimationUsingDataTimeSteps()

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # Installs, by apt, what a bare Debian 12 or 13 lacks. Idempotent; changes nothing else.
 # usage: setup.sh [demo] [tests] [style] [docs]     default: all four
-#   demo    to build the program, run it and draw
+#   demo    to build the program, run it, draw, and make packages of it (`file` is for cpack)
 #   tests   to build and run the tests
 #   style   formatter and linter of the pinned version (Debian 12); a release that lacks them goes without
 #   docs    to make the documentation as a site
 set -euo pipefail
 
 demo=(
-  build-essential cmake ninja-build pkgconf git
+  build-essential cmake ninja-build pkgconf git file
   petsc-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libmetis-dev
   libeigen3-dev libfmt-dev nlohmann-json3-dev libxxhash-dev
   python3 python3-numpy python3-matplotlib python3-h5py

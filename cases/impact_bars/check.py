@@ -44,7 +44,7 @@ class Check(case_check.Check):
             self.expect_between("speed of the bar that was hit [m/s]", curve["velocity_anvil_x"][-1], 0.97, 1.0)
 
     def push(self, variant):
-        """Results and history of a run, and the largest push 70 to 80 mm from where the bars meet, over rho c v / 2."""
+        """Results and history of a run, and the largest push anywhere, over rho c v / 2."""
         run = self.run(variant, 2, ["-output_fields", "-output_interval", "2", "-output_history_interval", "1"])
         if not run:
             return None
@@ -52,8 +52,7 @@ class Check(case_check.Check):
         most = 0.0
         for number in range(pdxtools.step_count(run[0])):
             points = pdxtools.read_step(run[0], number)[1]["points"]
-            far = abs(abs(points.points[:, 0] - LENGTH) - 0.075) < 5e-3
-            most = max(most, -points["stress"][far, 0].min())
+            most = max(most, -points["stress"][:, 0].min())
         return results, curve, most / (FORCE / AREA)
 
     def viscous(self):
@@ -62,7 +61,7 @@ class Check(case_check.Check):
         if not plain or not viscous:
             return
         self.expect_between("largest push without viscosity", plain[2], 1.2, 1.4)
-        self.expect_between("largest push with viscosity", viscous[2], 1.0, 1.115)
+        self.expect_between("largest push with viscosity", viscous[2], 1.0, 1.1)
         taken = viscous[0]["viscous_energy"] / viscous[1]["energy_kinetic_points"][0]
         self.expect_between("taken by viscosity, of the energy at the start", taken, 0.02, 0.05)
 

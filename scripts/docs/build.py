@@ -2,9 +2,9 @@
 """Makes the documentation: the reference of options, the list of messages, the gallery of cases and the extension example from
 what is in the tree, beside the pages that are written by hand; then the site, where MkDocs is installed (Debian: mkdocs).
 
-usage: build.py [--executable build/release/pdxsolve] [--out build/docs]
-Writes OUT/pages (Markdown), OUT/pdxsolve.1, OUT/pdxsolve.bash and OUT/site (HTML). A link between pages that leads nowhere is
-an error.
+usage: build.py [--executable build/release/pdxsolve] [--out build/docs] [--installed]
+Writes OUT/pages (Markdown), man pages, OUT/pdxsolve.bash and OUT/site (HTML). A link between pages that leads nowhere is
+an error. --installed: pages as they lie in share/doc/pdxsolve, to be read as text beside share/pdxsolve/cases; no site.
 """
 
 import argparse
@@ -78,7 +78,7 @@ def cases_page(pages):
     for row in re.findall(r"(?m)^\| (\[.*\]\(cases/.*?) \| (.*?) \| (.*?) \|$", table):
         for name in re.findall(r"cases/(\w+)/README.md", row[0]):
             shows[name] = row[2]
-    lines = ["# Cases", "", "All are in `cases/`, with `check.py`, which asserts what must hold of them. Run them from the root of the tree.", "",
+    lines = ["# Cases", "", "All are in `cases/`, with `check.py`, which asserts what must hold of them. They can be run from anywhere.", "",
              "| case | what it shows | |", "|---|---|---|"]  # fmt: skip
     for directory in sorted(path.parent for path in (ROOT / "cases").glob("*/README.md")):
         title = case_page(directory, pages)
@@ -104,6 +104,14 @@ def dead_links(pages):
                 yield f"{page.relative_to(pages)}: {match[3]}"
 
 
+def install_pages(pages):
+    """Links to cases lead to where those are installed; their pages and pictures are there, not here."""
+    shutil.rmtree(pages / "cases")
+    for page in pages.glob("*.md"):
+        text = re.sub(r"\]\(cases/(\w+)\.md", r"](../../pdxsolve/cases/\1/README.md", page.read_text(encoding="utf-8"))
+        page.write_text(re.sub(r"<img [^>]*>", "", text), encoding="utf-8")
+
+
 def generate(executable, out):
     pages = out / "pages"
     shutil.rmtree(pages, ignore_errors=True)
@@ -120,13 +128,18 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--executable", default=str(ROOT / "build/release/pdxsolve"))
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "build/docs")
+    parser.add_argument("--installed", action="store_true", help="pages for share/doc/pdxsolve")
     arguments = parser.parse_args()
     out = arguments.out.resolve()
     pages = generate(arguments.executable, out)
     dead = list(dead_links(pages))
     if dead:
         sys.exit("build.py: links that lead nowhere: " + ", ".join(dead))
-    print(f"wrote {sum(1 for _ in pages.rglob('*.md'))} pages into {pages}, pdxsolve.1 and pdxsolve.bash beside")
+    if arguments.installed:
+        install_pages(pages)
+    print(f"wrote {sum(1 for _ in pages.rglob('*.md'))} pages into {pages}, man pages and completion beside")
+    if arguments.installed:
+        return
     if not shutil.which("mkdocs"):
         print("no site: MkDocs is not installed (Debian: mkdocs)")
         return

@@ -2,10 +2,12 @@
 """What comes from `pdxsolve -help -json` alone: the reference of options, a man page, completion for bash.
 
 usage: reference.py [--executable build/release/pdxsolve] --out DIRECTORY
-Writes options.md, pdxsolve.1 and pdxsolve.bash there. Needs no packages.
+Writes options.md, pdxsolve.1 and pdxsolve.bash there, and a man page of each command of scripts/pdxtools, from the words that it
+has of itself. Needs no packages.
 """
 
 import argparse
+import ast
 import json
 import os
 import pathlib
@@ -30,6 +32,9 @@ FILES = [("summary.json", "what the run was and what came out of it"), ("history
          ("fields.h5, fields.xdmf", "fields, for ParaView and others"), ("probe_NAME.csv", "values at places"),
          ("crack_path.csv", "the way of each tip"), ("checkpoint.h5", "to go on from with -restart"),
          ("options.opts", "options as used; gives the run again"), ("citations.bib", "what to cite")]  # fmt: skip
+INSTALLED = [("../share/doc/pdxsolve", "the tutorial and all other pages, from the directory of the program"),
+             ("../share/pdxsolve", "cases, materials, and scripts for ParaView, Slurm and Open MPI on one machine")]  # fmt: skip
+COMMANDS = ("report", "plot", "vtkhdf", "pack")  # of scripts/pdxtools, installed as pdxsolve-NAME
 
 
 def all_options(executable):
@@ -83,8 +88,24 @@ def man_page(options, version):
             lines += [".TP", f".B {roff(o['name'])}", roff(o["help"] + unit + "."), ".br", roff(f"Default {o['default']}; {o['allowed']}.")]
     lines += [".SH EXIT STATUS", *(line for status, what in STATUS for line in (".TP", f".B {status}", roff(what) + "."))]
     lines += [".SH FILES", "In \\fB\\-output_dir\\fR:", *(line for name, what in FILES for line in (".TP", f".I {roff(name)}", roff(what) + "."))]
-    lines += [".SH SEE ALSO", ".BR pdxsolve\\-report (1),", ".BR mpirun (1)"]
+    lines += ["Installed:", *(line for name, what in INSTALLED for line in (".TP", f".I {roff(name)}", roff(what) + "."))]
+    lines += [".SH SEE ALSO", *(f".BR pdxsolve\\-{name} (1)," for name in COMMANDS), ".BR mpirun (1)"]
     return "\n".join(lines) + "\n"
+
+
+def command_page(name, version):
+    """Of a command, by what stands at the head of its file: what it does, then how it is called."""
+    text = ast.get_docstring(ast.parse((ROOT / "scripts" / "pdxtools" / f"{name}.py").read_text(encoding="utf-8")))
+    command = f"pdxsolve-{name}"
+    what, _, usage = text.partition("\n\nusage: ")
+    synopsis, _, rest = usage.format(name=command).partition("\n")
+    first = re.match(r"[^.:]*", " ".join(what.split()))[0]
+    lines = [f'.TH {command.upper()} 1 "" "pdxsolve {version}" "User Commands"', ".SH NAME",
+             f"{roff(command)} \\- {roff(first[0].lower() + first[1:])}", ".SH SYNOPSIS", roff(synopsis),
+             ".SH DESCRIPTION", *map(roff, what.splitlines())]  # fmt: skip
+    if rest:
+        lines += [".PP", ".nf", *map(roff, rest.splitlines()), ".fi"]
+    return "\n".join(lines + [".SH SEE ALSO", ".BR pdxsolve (1)"]) + "\n"
 
 
 def values_of(option):
@@ -119,6 +140,7 @@ def write(executable, out):
     options = all_options(executable)
     out.mkdir(parents=True, exist_ok=True)
     texts = {"options.md": page(options), "pdxsolve.1": man_page(options, version_of()), "pdxsolve.bash": completion(options)}
+    texts |= {f"pdxsolve-{name}.1": command_page(name, version_of()) for name in COMMANDS}
     for name, text in texts.items():
         (out / name).write_text(text, encoding="utf-8")
     return options
@@ -130,7 +152,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
     options = write(arguments.executable, arguments.out)
-    print(f"wrote options.md, pdxsolve.1 and pdxsolve.bash of {len(options)} options into {arguments.out}")
+    print(f"wrote options.md, man pages and completion of {len(options)} options into {arguments.out}")
 
 
 if __name__ == "__main__":

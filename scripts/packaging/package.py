@@ -15,7 +15,7 @@ class Pdxsolve(CMakePackage):
     depends_on("pkgconfig", type="build")
     depends_on("mpi")
     depends_on("petsc@3.18: +mpi+hypre+metis+hdf5 ~complex ~int64")
-    depends_on("hdf5@1.10:")
+    depends_on("hdf5@1.10: +mpi")
     depends_on("metis@5:")
     depends_on("eigen@3.4:")
     depends_on("fmt@9:")

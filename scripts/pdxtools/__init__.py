@@ -18,7 +18,7 @@ from .fields import (CELL_USES, PARTICLE_KINDS, TENSOR, Block, NotThere, fields_
 from .records import (Option, read_citations, read_crack_paths, read_curve, read_history, read_options,  # noqa: E402
                       read_probe, read_probes, read_summary, read_units)  # fmt: skip
 
-__version__ = "0.3.0"
+__version__ = "0.3.0"  # of CMakeLists.txt, as a test asserts; pyproject.toml asks for it here
 __all__ = ["CELL_USES", "PARTICLE_KINDS", "TENSOR", "Block", "Checkpoint", "NotThere", "Option", "fields_path",
            "read_checkpoint", "read_citations", "read_crack_paths", "read_curve", "read_history", "read_options",
            "read_probe", "read_probes", "read_step", "read_summary", "read_units", "step_at", "step_count",

@@ -14,7 +14,7 @@ import pathlib
 import sys
 
 from . import draw
-from .fields import NotThere
+from .fields import NotThere, fields_path
 
 
 def main():
@@ -28,6 +28,9 @@ def main():
     parser.add_argument("--error", choices=["auto", "linear", "log"], default="auto", help="colours of the error map")
     parser.add_argument("--steps", default="", help="of motion: which of the steps with fields, from 0, with commas; -1 is the last")
     options = parser.parse_args()
+    for run in options.runs:
+        if not fields_path(run).exists():
+            sys.exit(f"{name}: {fields_path(run)} is not there: give the directory of a run with -output_fields")
     try:
         runs = [draw.Run(directory, options.step) for directory in options.runs]
         steps = tuple(int(step) for step in options.steps.split(",") if step)

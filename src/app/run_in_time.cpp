@@ -36,7 +36,8 @@ public:
     scene_.build();
     files_.velocity = driver().v();
     for (const std::string& warning : scene_.warnings()) files_.warn(warning);
-    if (mover_.follows()) files_.warn(mover_.begin(scene_.view(), scene_.patches()));
+    if (mover_.follows())
+      files_.warn(scene_.space() ? mover_.begin(*scene_.space()) : mover_.begin(scene_.view(), scene_.patches()));
     recorder_.built(scene_.standing());
     if (checkpoints_) checkpoints_->begin(files_.scene, scene_.layout(), driver(), recorder_);
     recorder_.started(driver(), scene_.limits());
@@ -120,15 +121,20 @@ private:
     const int step = driver().step();
     if (step >= driver().expected_steps()) return false;
     change_ = {};
-    if (mover_.follows() && step % when.adapt_interval == 0)
-      change_ =
-          mover_.look(scene_.view(), scene_.patches(), files_.scene.model->breaker->mine().bonds, driver().local());
+    if (mover_.follows() && step % when.adapt_interval == 0) change_ = look();
     if (change_.empty() && mover_.may_hand_back(step)) change_ = mover_.quiet(scene_.view(), driver().local());
     if (mover_.may_contract()) files_.told_if_refused([&] { add_what_lies_behind(); });
     uneven_ = balance_.due(driver()) && change_.empty(); // one after the other: what leaves is told by cells
     const bool renewed = when.renew_interval > 0 && step % when.renew_interval == 0;
     if (renewed && mover_.renews() && change_.empty()) change_ = mover_.renewal(scene_.view());
     return uneven_ || renewed || !change_.empty();
+  }
+
+  adapt::LayoutChange look()
+  {
+    const std::int64_t broken = files_.scene.model->breaker->mine().bonds;
+    if (const adapt::SpaceView* space = scene_.space()) return mover_.look(*space, broken, driver().local());
+    return mover_.look(scene_.view(), scene_.patches(), broken, driver().local());
   }
 
   /// Adds to the change to come what patches hand back.

@@ -127,7 +127,16 @@ std::optional<Quantity> quantity_in(std::string_view word)
   double number = 0.0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
   if (error != std::errc() || !std::isfinite(number)) return std::nullopt; // inf and nan have letters of their own
-  return Quantity{number, std::string(end, rest.data() + rest.size())};
+  const char* behind = end;
+  const char* last = rest.data() + rest.size();
+  if (last - behind > 1 && *behind == '/' && std::isdigit(static_cast<unsigned char>(behind[1]))) { // 1/3
+    double divisor = 0.0;
+    const auto [stop, fault] = std::from_chars(behind + 1, last, divisor);
+    if (fault != std::errc() || !std::isfinite(number / divisor)) return std::nullopt;
+    number /= divisor;
+    behind = stop;
+  }
+  return Quantity{number, std::string(behind, last)};
 }
 
 std::optional<double> value_in(std::string_view word, const char* wanted)

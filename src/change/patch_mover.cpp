@@ -62,7 +62,7 @@ bool PatchMover::broke_more(MPI_Comm comm, std::int64_t broken)
 bool PatchMover::watches() const
 {
   const options::SceneOptions& s = options_;
-  return !told_ && !s.layout.patches_move() && s.fracture.active() && s.pd.bordered();
+  return !told_ && !s.solid && !s.layout.patches_move() && s.fracture.active() && s.pd.bordered();
 }
 
 std::string PatchMover::border(const adapt::SceneView& scene, const scene::PatchPlan& plan, std::int64_t broken)
@@ -83,14 +83,14 @@ std::string PatchMover::border(const adapt::SceneView& scene, const scene::Patch
   return words;
 }
 
-adapt::ConversionRule PatchMover::conversion_rule() const
+template <int Dim> adapt::ConversionRule PatchMover::conversion_rule() const
 {
   const options::Triggers& triggers = options_.layout.triggers;
   const double dx = options_.pd.spacing[0];
-  const pd::Stencil<2> stencil =
-      pd::make_stencil<2>({dx, options_.elastic.thickness, options_.pd.horizon_ratio * dx, options_.pd.micromodulus,
-                           options_.pd.calibration, options_.elastic});
-  const double critical = scene::critical_stretch<2>(options_, stencil);
+  const pd::Stencil<Dim> stencil =
+      pd::make_stencil<Dim>({dx, options_.elastic.thickness, options_.pd.horizon_ratio * dx, options_.pd.micromodulus,
+                             options_.pd.calibration, options_.elastic});
+  const double critical = scene::critical_stretch<Dim>(options_, stencil);
   adapt::ConversionRule rule;
   rule.margin = triggers.margin;
   if (triggers.stress) rule.stress = triggers.largest_stress;
@@ -107,7 +107,7 @@ adapt::BulkWatch PatchMover::bulk_watch(const adapt::SceneView& scene) const
     const auto b = static_cast<std::size_t>(body);
     return b < bodies.size() ? bodies[b].elastic : options_.elastic;
   };
-  return {scene, conversion_rule(), elastic};
+  return {scene, conversion_rule<2>(), elastic};
 }
 
 std::vector<adapt::LayoutChange::Cover> PatchMover::converted(const adapt::SceneView& scene,
@@ -152,6 +152,40 @@ adapt::LayoutChange PatchMover::look(const adapt::SceneView& scene, const scene:
   return change;
 }
 
+std::string PatchMover::begin(const adapt::SpaceView& scene) const
+{
+  bool any = false;
+  for (const mpm::GridCell<3>& cell : scene.cells) any = any || scene.may_convert(cell);
+  if (any_rank(scene.halo.rows().comm, any)) return "";
+  return "-adapt: no cell of points can become particles: they must be full of points, -pd_spacing apart, of "
+         "-material_young, _poisson and _density, and not held at a side";
+}
+
+/// Beside what broke, and where points bear more than the triggers say.
+adapt::LayoutChange PatchMover::look(const adapt::SpaceView& scene, std::int64_t broken, std::span<const double> local)
+{
+  static Event event("adapt_look");
+  const options::Triggers& triggers = options_.layout.triggers;
+  adapt::SpaceCells asked, born;
+  if ((triggers.damage || triggers.connection) && broke_more(scene.halo.rows().comm, broken)) {
+    const Timed timed(event);
+    const double horizon = options_.pd.horizon_ratio * options_.pd.spacing[0];
+    adapt::Reaches reach{kConnected * horizon, kDisconnected * horizon};
+    if (const double h = options_.points.ratio * options_.pd.spacing[0]; triggers.damage)
+      reach = {options::critical_length(options_, horizon, h), options::expansion_length(options_, horizon, h)};
+    asked = adapt::expansion(scene, reach);
+  }
+  if (triggers.any()) {
+    static Event converts("adapt_convert");
+    const Timed timed(converts);
+    if (!space_watch_) space_watch_.emplace(scene, conversion_rule<3>());
+    born = adapt::conversion(scene, *space_watch_, local);
+  }
+  adapt::LayoutChange change;
+  std::ranges::set_union(asked, born, std::back_inserter(change.cells));
+  return change;
+}
+
 int PatchMover::quiet_every() const { return std::max(1, options_.layout.hand_back / kLooksUntilQuiet); }
 
 adapt::LayoutChange PatchMover::quiet(const adapt::SceneView& scene, std::span<const double> local)
@@ -160,7 +194,7 @@ adapt::LayoutChange PatchMover::quiet(const adapt::SceneView& scene, std::span<c
   const Timed timed(event);
   adapt::LayoutChange change;
   const int looks = (options_.layout.hand_back + quiet_every() - 1) / quiet_every();
-  change.uncover = quiet_.look(scene, {conversion_rule(), looks, options_.elastic}, options_.pd.patches, local);
+  change.uncover = quiet_.look(scene, {conversion_rule<2>(), looks, options_.elastic}, options_.pd.patches, local);
   return change;
 }
 

@@ -1,5 +1,6 @@
 #include "pdx/change/time_scene.hpp"
 
+#include "pdx/adapt/space_conversion.hpp"
 #include "pdx/base/gather.hpp"
 #include "pdx/solve/explicit_driver.hpp"
 #include "pdx/solve/implicit_driver.hpp"
@@ -41,18 +42,22 @@ TimeScene::Moment TimeScene::moment(const adapt::LayoutChange& change,
              driver_->clock(),
              standing.model->rank_sums(),
              {},
-             0.0,
+             Vector<3>::Zero(),
              0,
              {}};
   now.known = now.state.rows.size();
   if (change.empty()) return now;
   now.momentum = driver_->moving().momentum(driver_->v());
-  const field::System& system = driver_->moving().system;
-  if (system.rows.dim == 2 && !any_rank(system.rows.comm, !system.prescribed.components.empty()))
+  const field::Rows& rows = driver_->moving().system.rows;
+  if (!any_rank(rows.comm, !driver_->moving().system.prescribed.components.empty())) // else it is not kept
     now.angular = solve::angular_momentum(driver_->moving(), driver_->local(), driver_->v());
   std::vector<double> v;
   driver_->moving().system.halo->fetch(driver_->v(), driver_->moving().system.rows.dim, v);
   const std::span<const double> fields[] = {driver_->local(), v};
+  if (const adapt::SpaceView* space = scene_->space()) {
+    scene::add_rows(now.state, adapt::fill(*space, change.cells, fields));
+    return now;
+  }
   const std::vector<couple::PatchShape> shapes = scene::patch_shapes(layout_.changed(change).in(options_));
   scene::add_rows(now.state, adapt::fill(scene_->view(), change, shapes, fields));
   now.left = adapt::leaving(scene_->view(), change.uncover, fields);

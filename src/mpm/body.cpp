@@ -56,10 +56,15 @@ template <int Dim> Vector<Dim> Body<Dim>::node(const Site<Dim>& at) const
 
 template <int Dim> Vector<Dim> Body<Dim>::place(const Site<Dim>& cell, int site) const
 {
-  const Site<Dim> in = site_in_cell<Dim>(site, material.ratio);
+  Site<Dim> at = site_in_cell<Dim>(site, material.ratio);
+  for (std::size_t d = 0; d < Dim; ++d) at[d] += cell[d] * material.ratio;
+  return place_of(at);
+}
+
+template <int Dim> Vector<Dim> Body<Dim>::place_of(const Site<Dim>& site) const
+{
   Vector<Dim> x = corner;
-  for (std::size_t d = 0; d < Dim; ++d)
-    x[static_cast<Eigen::Index>(d)] += (cell[d] * material.ratio + in[d] + 0.5) * material.spacing;
+  for (std::size_t d = 0; d < Dim; ++d) x[static_cast<Eigen::Index>(d)] += (site[d] + 0.5) * material.spacing;
   return x;
 }
 

@@ -7,7 +7,7 @@ namespace pdx::mpm {
 namespace {
 constexpr Index kLeastRun = 4; // cells; shorter ones leave too many lanes idle
 
-/// b is behind a along x, in rows too.
+/// b is behind a along a run, in rows too.
 template <int Dim> bool follows(const CellRows<Dim>& a, const CellRows<Dim>& b)
 {
   for (std::size_t k = 0; k < a.size(); ++k)
@@ -16,15 +16,17 @@ template <int Dim> bool follows(const CellRows<Dim>& a, const CellRows<Dim>& b)
 }
 template <int Dim> bool may_be_in_run(const CellRows<Dim>& rows, Index owned)
 {
-  for (std::size_t k = 0; k < rows.size(); k += 2)
-    if (rows[k + 1] != rows[k] + 1 || rows[k + 1] >= owned) return false;
+  for (std::size_t line = 0; line < CellRun<Dim>::kLines; ++line) {
+    const Index low = rows[CellRun<Dim>::corner(line)], high = rows[CellRun<Dim>::corner(line) + CellRun<Dim>::kStep];
+    if (high != low + 1 || high >= owned) return false;
+  }
   return true;
 }
 
 template <int Dim> CellRun<Dim> run_from(const CellRows<Dim>& rows, Index cells)
 {
   CellRun<Dim> run;
-  for (std::size_t line = 0; line < run.first.size(); ++line) run.first[line] = rows[2 * line];
+  for (std::size_t line = 0; line < run.first.size(); ++line) run.first[line] = rows[CellRun<Dim>::corner(line)];
   run.cells = cells;
   return run;
 }

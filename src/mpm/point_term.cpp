@@ -34,8 +34,7 @@ std::vector<PointCell<Dim>> fetch_copies(const field::Rows& rows, std::span<cons
 template <int Dim> std::vector<CellRows<Dim>> cells_of(const CellRun<Dim>& run)
 {
   std::vector<CellRows<Dim>> cells(static_cast<std::size_t>(run.cells));
-  for (std::size_t k = 0; k < cells.size(); ++k)
-    for (std::size_t a = 0; a < cells[k].size(); ++a) cells[k][a] = run.first[a / 2] + static_cast<Index>(k + a % 2);
+  for (std::size_t k = 0; k < cells.size(); ++k) cells[k] = run.rows(static_cast<Index>(k));
   return cells;
 }
 } // namespace

@@ -3,8 +3,10 @@
 #include "pdx/base/node_lanes.hpp"
 #include "pdx/mpm/point_kernel.hpp"
 
-/// Full cells of R^Dim points, lanes of neighbouring cells along x. Gradients by x are the same for points of one y and
-/// z: they are blended from edges to levels and stresses summed over x before they are blended back.
+/// Full cells of R^Dim points, lanes of neighbouring cells along a run. Gradients by x are the same for points of one y
+/// and z: they are blended from edges to levels and stresses summed over x before they are blended back. The first axis
+/// here is that of the run, and the first component is along it: in space z, x, y stand for x, y, z, a rotation, which
+/// laws do not see.
 namespace pdx::mpm {
 template <int R> constexpr double level(int i) { return (i + 0.5) / R; }
 constexpr int power(int base, int exponent) { return exponent == 0 ? 1 : base * power(base, exponent - 1); }
@@ -166,6 +168,9 @@ PDX_INLINE void add_hourglass(const CellPoints<Dim>& points, const T (&u)[kCorne
     }
 }
 
+/// Component of rows that is the d-th of a run.
+template <int Dim> constexpr int of_rows(int d) { return Dim == 2 ? d : (d + 2) % 3; }
+
 /// Goes along a run: the lanes of a vector are the nodes it moves over, so that each is loaded and added to once.
 template <int W, int Dim, int R, class Work> struct RunSweep {
   static constexpr int kLines = kCorners<Dim> / 2;
@@ -224,8 +229,8 @@ private:
     PDX_UNROLL
     for (int line = 0; line < kLines; ++line)
       for (int d = 0; d < Dim; ++d) {
-        to[2 * line][d] = x[line][d];
-        to[2 * line + 1][d] = moved<1, W>(x[line][d], next[line][d]);
+        to[2 * line][d] = x[line][of_rows<Dim>(d)];
+        to[2 * line + 1][d] = moved<1, W>(x[line][of_rows<Dim>(d)], next[line][of_rows<Dim>(d)]);
       }
   }
   /// Lanes from `count` on are no cells.
@@ -256,8 +261,9 @@ private:
       NodeLanes<W, Dim> both;
       PDX_UNROLL
       for (int d = 0; d < Dim; ++d) {
-        both[d] = f[2 * line][d] + moved<W - 1, W>(carry[line][d], f[2 * line + 1][d]);
-        carry[line][d] = f[2 * line + 1][d];
+        Lanes<W>& before = carry[line][of_rows<Dim>(d)];
+        both[of_rows<Dim>(d)] = f[2 * line][d] + moved<W - 1, W>(before, f[2 * line + 1][d]);
+        before = f[2 * line + 1][d];
       }
       add_nodes<W, Dim>(both, count + 1, to);
       if (count == W)

@@ -90,7 +90,7 @@ void judge_adapt(const SceneOptions& s)
   if (Options("layout").given("-adapt_border") && (s.layout.patches_move() || !s.pd.bordered() || !s.fracture.active()))
     throw UserError("-adapt_border is of patches between elements that stay while bonds break: drop it");
   if (!s.layout.patches_move()) return;
-  if (s.pd.patches.empty() && !s.pd.seeded && !s.converts())
+  if (s.pd.patches.empty() && s.pd.boxes.empty() && !s.pd.seeded && !s.converts())
     throw UserError("-adapt (-layout_renew_box) moves patches between elements: give boxes by -pd_patches, or "
                     "-adapt_seed tip, or drop it");
   if (s.time.analysis == Analysis::implicit_dynamics)

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -40,6 +41,19 @@ const std::vector<OptionDoc>& all_options()
 }
 } // namespace
 
+namespace {
+/// Where the pages to read are, if they were installed with the program that runs.
+std::string manual()
+{
+  namespace fs = std::filesystem;
+  std::error_code none;
+  const fs::path pages = fs::read_symlink("/proc/self/exe", none).parent_path().parent_path() / "share/doc/pdxsolve";
+  if (!fs::exists(pages / "tutorial.md", none)) return "";
+  return fmt::format("\nTo begin with: {}; cases are in {}.\n", (pages / "tutorial.md").string(),
+                     (pages.parent_path().parent_path() / "pdxsolve/cases").string());
+}
+} // namespace
+
 std::string help_text(std::string_view words)
 {
   std::string list, room;
@@ -63,7 +77,8 @@ std::string help_text(std::string_view words)
          "\nCrack faces and parts of a mesh do not touch: there is contact between bodies of a scene with -mpm_bodies "
          "only, "
          "all else passes through what it meets.\n"
-         "\nSolver options are PETSc's: -snes_..., -ksp_..., -pc_..., -mg_levels_..., -mg_coarse_..., -log_view.\n";
+         "\nSolver options are PETSc's: -snes_..., -ksp_..., -pc_..., -mg_levels_..., -mg_coarse_..., -log_view.\n" +
+         manual();
 }
 
 std::string help_json()

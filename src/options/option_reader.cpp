@@ -105,12 +105,28 @@ void OptionReader::read_file(const std::string& path, const std::string& place)
   if (++files_ > kMostFiles) refuse(place, fmt::format("{}: more than {} options files", named, kMostFiles));
   if (const std::string why = why_unreadable(path); !why.empty()) refuse(place, fmt::format("{}: {}", named, why));
   ++depth_;
+  std::error_code none;
+  directories_.push_back(std::filesystem::absolute(path, none).parent_path());
   for (TextFile file("", path); file.next();) {
     bytes_ += file.line().size();
     if (bytes_ > kMostBytes) file.refuse(fmt::format("more than {} bytes of options", kMostBytes));
     read_line(file.line(), file.where());
   }
+  directories_.pop_back();
   --depth_;
+}
+
+std::string OptionReader::found(const std::string& name, const std::string& value) const
+{
+  const std::filesystem::path path = value;
+  std::error_code none;
+  if (directories_.empty() || value.empty() || !(name == "-pd_cloud" || name.ends_with("_file")) ||
+      path.is_absolute() || std::filesystem::exists(path, none))
+    return value;
+  for (std::filesystem::path above = directories_.back();; above = above.parent_path()) {
+    if (std::filesystem::exists(above / path, none)) return (above / path).string();
+    if (above == above.parent_path()) return value; // that which is said of it is said where it is read
+  }
 }
 
 void OptionReader::read_line(std::string_view line, const std::string& place)
@@ -169,7 +185,7 @@ void OptionReader::take_option(const std::string& name, Words values, const std:
   if (ends_oddly(name))
     refuse(place, fmt::format("\"{}\" is no option: a plain blank belongs behind a name, and no sign", shown(name)));
   if (name.size() > kLongestName) refuse(place, fmt::format("\"{}\" is no option of pdxsolve", shown(name)));
-  const std::string value = joined(name, values, place);
+  const std::string value = found(name, joined(name, values, place));
   if (std::ranges::find(kYaml, name) != kYaml.end())
     refuse(place, fmt::format("{}: YAML is not read: give -options_file with -name value on each line", name));
   if (name == "-options_file")

@@ -292,7 +292,7 @@ void refuse_other_physics(const SceneOptions& s)
   const Options o("mpm");
   for (const char* name : never)
     if (o.given(name)) throw UserError(fmt::format("{} cannot stand beside -mpm_bodies: drop one of them", name));
-  if (!s.mixed())
+  if (!s.mixed() && !s.mixed_in_space())
     for (const char* name : alone)
       if (o.given(name))
         throw UserError(fmt::format("{} is of elements and particles, and there are material points only: give "
@@ -320,6 +320,33 @@ void judge_mixed(const SceneOptions& s)
     if (body.name == kMeshBody)
       throw UserError(fmt::format("-mpm_bodies: {} is what elements are called: choose another name", kMeshBody));
   if (s.pd.seeded) judge_seeds(s);
+}
+
+/// Points beside particles in space: whole cells of their grids, one spacing, explicit steps.
+void judge_mixed_in_space(const SceneOptions& s)
+{
+  const std::string beside = "-material_plane solid: bodies of points beside particles ";
+  if (s.time.analysis != Analysis::explicit_dynamics) throw UserError(beside + "need -analysis explicit");
+  if (s.points.formulation == Formulation::updated) throw UserError(beside + "need -mpm_formulation total");
+  if (s.pd.everywhere)
+    throw UserError("-pd_patches all: a body of points is no box mesh: give the boxes of its cells that are particles");
+  if (s.scheme != couple::Scheme::energy)
+    throw UserError(beside + "are coupled by energy only: drop -mpm_coupling handshake (-couple_scheme)");
+  if (s.kinematics != Kinematics::finite) throw UserError(beside + "turn, and bonds with them: drop -kinematics");
+  if (s.face_mass) throw UserError(beside + "hand no mass over: drop -couple_face_mass");
+  if (s.pd.seeded || !s.cracks.lines.empty())
+    throw UserError(beside + "have no cracks from the start: drop -crack_names (-adapt_seed)");
+  if (s.layout.adapt == Adapt::relocate || s.layout.hand_back > 0 || s.layout.renew_box)
+    throw UserError(beside + "do not become points again: give -adapt expand, without -adapt_hand_back and "
+                             "-layout_renew_box");
+  if (s.pd.solver != PdOperator::automatic) throw UserError(beside + "have no tangent: drop -pd_operator");
+  if (s.pd.surface_correction == SurfaceCorrection::exact)
+    throw UserError(beside + "have no -pd_surface_correction exact, which is of the plane: give volume or none");
+  if (s.mesh.cells[0] > 0 || !s.mesh.file.empty())
+    throw UserError(beside + "have no elements: drop -mesh_cells (-mesh_file)");
+  if (s.pd.spacing.size() > 1)
+    throw UserError(
+        fmt::format("-pd_spacing has {} values: must be one, that of the points, in space", s.pd.spacing.size()));
 }
 } // namespace
 
@@ -350,6 +377,7 @@ void judge_points(const SceneOptions& s)
   judge_grid(s);
   if (s.time.analysis != Analysis::explicit_dynamics) judge_solved(s);
   if (s.mixed()) judge_mixed(s);
+  if (s.mixed_in_space()) judge_mixed_in_space(s);
   for (const BoundaryCondition& c : s.conditions) judge_condition(s, c);
 }
 } // namespace pdx::options

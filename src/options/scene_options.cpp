@@ -27,20 +27,38 @@ geom::Box<2> box_of(const std::string& name, const std::vector<double>& v, std::
 bool is_cloud() { return Options("pd").given("-pd_cloud"); }
 bool are_points() { return Options("mpm").given("-mpm_bodies"); }
 
-void read_patches(Options& o, PdOptions& pd)
+geom::Box<3> box_in_space(const std::vector<double>& v, std::size_t k)
+{
+  const geom::Box<3> box{{v[k], v[k + 1], v[k + 2]}, {v[k + 3], v[k + 4], v[k + 5]}};
+  if ((box.lower.array() < box.upper.array()).all()) return box;
+  throw UserError(fmt::format(
+      "-pd_patches is {}: must be the lower corner, then the upper one",
+      fmt::join(v.begin() + static_cast<std::ptrdiff_t>(k), v.begin() + static_cast<std::ptrdiff_t>(k) + 6, ",")));
+}
+
+void read_patches(Options& o, bool solid, PdOptions& pd)
 {
   static constexpr const char* seeds[] = {"none", "tip"};
   pd.seeded =
       o.choice("-adapt_seed", 0, seeds,
                "where no -pd_patches are given: none, or a patch at each tip of a crack, of the elements with a "
                "node as near as -adapt_expansion_length") == 1;
-  const std::string text = o.text("-pd_patches", "", "patches: x0,y0,x1,y1[,more] [m], or all");
+  const std::string text = o.text("-pd_patches", "",
+                                  "patches: x0,y0,x1,y1[,more] [m], or all (solid, of bodies of points: "
+                                  "x0,y0,z0,x1,y1,z1[,more])");
   if (text.empty()) return;
   if (text == "all") {
     pd.everywhere = true;
     return;
   }
   const std::vector<double> v = o.reals("-pd_patches", {}, 0, "m", "");
+  if (solid && are_points()) {
+    if (v.size() % 6)
+      throw UserError(fmt::format(
+          "-pd_patches has {} numbers: must be six per box of bodies of points in space, x0,y0,z0,x1,y1,z1", v.size()));
+    for (std::size_t k = 0; k < v.size(); k += 6) pd.boxes.push_back(box_in_space(v, k));
+    return;
+  }
   if (v.size() % 4)
     throw UserError(
         fmt::format("-pd_patches has {} numbers: must be four per patch, x0,y0,x1,y1, or the word all", v.size()));
@@ -67,7 +85,7 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
   static constexpr const char* calibrations[] = {"continuum", "lattice"};
   static constexpr const char* corrections[] = {"auto", "none", "volume", "exact"};
   static constexpr const char* operators[] = {"auto", "matrix_free", "assembled"};
-  read_patches(o, pd);
+  read_patches(o, solid, pd);
   pd.to_come = Triggers::are_given();
   pd.cloud = o.text("-pd_cloud", "", "particles that lie anywhere, from a file *.csv or *.h5: position, volume, set");
   pd.horizon = o.real("-pd_horizon", kNone, "m", "horizon of -pd_cloud", Range::positive());
@@ -99,7 +117,7 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
   }
   if (pd.spacing.empty() && !pd.seeded)
     throw UserError("-pd_spacing is missing: give the lattice spacing of the patches in m");
-  if (pd.spacing.size() > 1 && pd.spacing.size() != pd.patches.size() && !pd.seeded)
+  if (pd.spacing.size() > 1 && pd.spacing.size() != pd.patches.size() && !pd.seeded && pd.boxes.empty())
     throw UserError(fmt::format("-pd_spacing has {} values for {} patches: give one, or one per patch",
                                 pd.spacing.size(), pd.patches.size()));
   const double dx = pd.spacing.empty() ? 1.0 : pd.spacing[0]; // the ratio is that of any horizon
@@ -156,6 +174,10 @@ void judge(const BoundaryCondition& c)
   for (std::size_t a = 0; a < 3; ++a)
     if (c.displacement[a] && c.velocity[a])
       throw UserError(fmt::format("{0}_velocity holds what {0}_displacement holds already: write free for one", stem));
+  if (c.at && !c.force)
+    throw UserError(fmt::format("{0}_at is the place of a point force: give {0}_force fx,fy, or hold what lies on a "
+                                "boundary {0}_on or in a {0}_box",
+                                stem));
   if ((c.holds() || c.traction) && c.on.empty() && !c.box && !c.set && c.of.empty())
     throw UserError(fmt::format("{0}: no place given: name a boundary with {0}_on, or a box with {0}_box (of a cloud: "
                                 "a box or {0}_set)",
@@ -168,8 +190,6 @@ void judge(const BoundaryCondition& c)
     throw UserError(
         fmt::format("{0}_traction needs edges: name their boundary with {0}_on (and cut it with {0}_box)", stem));
   if (c.force && !c.at && !is_cloud()) throw UserError(fmt::format("{0}_force needs a place: give {0}_at x,y", stem));
-  if (c.at && !c.force)
-    throw UserError(fmt::format("{0}_at is the place of a point force: give {0}_force fx,fy", stem));
   if (!c.on.empty() && !c.holds() && !c.traction && !c.initial_velocity)
     throw UserError(fmt::format("{0}_on is {1}: a body force acts everywhere or in {0}_box, a point force at {0}_at; "
                                 "drop {0}_on",

@@ -70,11 +70,10 @@ template <int Dim, Series series> struct Finite {
       return e * sum;
     }
   }
-  /// s^2 / shortened, where s = shortened / (1 - shortened).
-  template <int W> static PDX_INLINE Lanes<W> work(Lanes<W> shortened)
+  /// s^2 / shortened, where s = shortened / (1 - shortened) and 1 + e = 1 / (1 - shortened)^2.
+  template <int W> static PDX_INLINE Lanes<W> work(Lanes<W> shortened, Lanes<W> e)
   {
-    const Lanes<W> left = 1.0 - shortened;
-    return shortened / (left * left);
+    return shortened + shortened * e;
   }
 };
 template <int Dim> struct Linear {
@@ -85,7 +84,7 @@ template <int Dim> struct Linear {
   {
     return s;
   }
-  template <int W> static PDX_INLINE Lanes<W> work(Lanes<W> s) { return s; }
+  template <int W> static PDX_INLINE Lanes<W> work(Lanes<W> s, Lanes<W>) { return s; }
 };
 
 /// Extremes and energy of the bonds seen so far, by lane.
@@ -125,7 +124,7 @@ PDX_INLINE void sweep_vector(const StripView<Dim>& view, std::ptrdiff_t vector, 
       if constexpr (scaled) pull *= load<W>(factor + (arm - view.arms.data()) * W);
       if constexpr (energetic) {
         const Lanes<W> ends = load<W>(view.ends + vector * W) + load<W>(view.ends + j);
-        seen.energy += 0.5 * arm->length * arm->length * pull * Law::template work<W>(shortened) * ends;
+        seen.energy += 0.5 * arm->length * arm->length * pull * Law::template work<W>(shortened, e) * ends;
       }
       for (int d = 0; d < Dim; ++d) {
         const Lanes<W> force = pull * y[d];

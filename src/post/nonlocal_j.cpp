@@ -82,7 +82,7 @@ Lines place(const PatchState& state, const SquareContour& contour)
     throw UserError(fmt::format("{} holds no particle; choose a side from {:g} to {:g} m", place, lattice.dx, most));
   throw UserError(
       fmt::format("{} comes within {} particle spacing(s) of the patch's border; the largest side that fits "
-                  "is {:g} m",
+                  "is {:g} m (-post_j_domain takes J over a ring of elements around the patch)",
                   place, state.margin, most));
 }
 

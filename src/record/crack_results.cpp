@@ -12,6 +12,8 @@
 
 namespace pdx::record {
 namespace {
+constexpr std::size_t kMostTips = 8; // told in the log
+
 /// A place J is asked for: a tip as it is now, or where the user says (then it belongs to none).
 struct Centre {
   crack::Tip tip;
@@ -38,8 +40,8 @@ std::vector<Centre> centres(const Solved& s, const CrackState& state)
 }
 
 /// What is asked for of a tip on contours: `j_by_contour`, and `modes_by_contour` with K_I, K_II and T behind the
-/// sides. A tip that grew may leave no room for its contours: then there is neither.
-nlohmann::json contour_results(const Solved& s, const Centre& centre, std::span<const double> density)
+/// sides. A tip that grew may leave no room for its contours: then there is neither, and `why` says it.
+nlohmann::json contour_results(const Solved& s, const Centre& centre, std::span<const double> density, std::string& why)
 {
   nlohmann::json results = nlohmann::json::object();
   try {
@@ -49,14 +51,15 @@ nlohmann::json contour_results(const Solved& s, const Centre& centre, std::span<
     const auto modes = contour_modes(s, centre.tip, side_of(s.d, *centre.end), contours);
     for (std::size_t c = 0; c < modes.size(); ++c)
       results["modes_by_contour"].push_back({contours[c].side, modes[c].opening, modes[c].sliding, modes[c].along});
-  } catch (const UserError&) {
+  } catch (const UserError& error) {
     if (!s.d.fracture) throw;
+    why = error.what();
   }
   return results;
 }
 
 /// The same over the ring of elements, which a tip that grew may leave no room for either.
-nlohmann::json domain_results(const Solved& s, const Centre& centre)
+nlohmann::json domain_results(const Solved& s, const Centre& centre, std::string& why)
 {
   nlohmann::json results = nlohmann::json::object();
   try {
@@ -68,8 +71,9 @@ nlohmann::json domain_results(const Solved& s, const Centre& centre)
     results["k1_domain"] = modes.opening;
     results["k2_domain"] = modes.sliding;
     results["t_stress_domain"] = modes.along;
-  } catch (const UserError&) {
+  } catch (const UserError& error) {
     if (!s.d.fracture) throw;
+    why = error.what();
   }
   return results;
 }
@@ -140,11 +144,26 @@ void require_one_tip(const Solved& s)
                         outer, s.options.frame.text(centre.tip.at), s.options.frame.text(tip.at), far));
     }
 }
+
+/// The ring must have room around every tip; where cracks grow, around one of them.
+void require_ring(const Solved& s)
+{
+  require_one_tip(s);
+  std::optional<UserError> wrong;
+  bool any = false;
+  for (const Centre& centre : centres(s, crack_state(s.d.cracks, s.d.body))) try {
+      (void)domain_j(s, centre.tip);
+      any = true;
+    } catch (const UserError& error) {
+      if (!wrong) wrong = error;
+    }
+  if (wrong && !(any && s.d.fracture)) throw UserError(*wrong);
+}
 } // namespace
 
 void require_contours(const Solved& s)
 {
-  if (s.options.post.j_domain) require_one_tip(s);
+  if (s.options.post.j_domain) require_ring(s);
   if (s.options.post.j_contours.empty()) return;
   const std::vector<double> nothing(static_cast<std::size_t>(s.d.system.rows.owned()), 0.0);
   bool any = false;
@@ -169,6 +188,32 @@ void require_contours(const Solved& s)
   if (!any)
     throw UserError("-post_j_contours lie in a patch, but no crack's tip (and no -post_j_centre) does: give "
                     "-post_j_domain for elements");
+}
+
+std::vector<std::string> tip_lines(const nlohmann::json& results)
+{
+  std::vector<std::string> lines;
+  if (!results.contains("tips")) return lines;
+  const auto middle = [](const nlohmann::json& contours) { return contours.at(contours.size() / 2); };
+  for (const nlohmann::json& tip : results.at("tips")) {
+    const bool ring = tip.contains("j_domain");
+    if (!ring && !tip.contains("j_by_contour")) continue;
+    if (lines.size() == kMostTips) {
+      lines.emplace_back("J at more tips: tips in results of summary.json");
+      break;
+    }
+    std::string line = fmt::format("tip at ({:.6g}, {:.6g}): J {:.5g} J/m^2", tip.at("at").at(0).get<double>(),
+                                   tip.at("at").at(1).get<double>(),
+                                   (ring ? tip.at("j_domain") : middle(tip.at("j_by_contour")).at(1)).get<double>());
+    if (ring && tip.contains("k1_domain"))
+      line += fmt::format(", K_I {:.5g}, K_II {:.5g} Pa m^0.5", tip.at("k1_domain").get<double>(),
+                          tip.at("k2_domain").get<double>());
+    else if (!ring && tip.contains("modes_by_contour"))
+      line += fmt::format(", K_I {:.5g}, K_II {:.5g} Pa m^0.5", middle(tip.at("modes_by_contour")).at(1).get<double>(),
+                          middle(tip.at("modes_by_contour")).at(2).get<double>());
+    lines.push_back(line);
+  }
+  return lines;
 }
 
 std::vector<double> energy_release(mesh::Mesh& mesh, const options::SceneOptions& options, const scene::PatchPlan& plan,
@@ -201,9 +246,10 @@ std::vector<double> energy_release(mesh::Mesh& mesh, const options::SceneOptions
   return rates;
 }
 
-void add_crack_results(const Solved& s, const CrackState& state, std::span<const double> release,
-                       nlohmann::json& results)
+std::string add_crack_results(const Solved& s, const CrackState& state, std::span<const double> release,
+                              nlohmann::json& results)
 {
+  std::string why;
   nlohmann::json tips = nlohmann::json::array();
   const auto place = [&s](const Vector<2>& x) {
     const Vector<2> given = s.options.frame.given<2>(x);
@@ -233,7 +279,7 @@ void add_crack_results(const Solved& s, const CrackState& state, std::span<const
     }
   };
   for (const Centre& centre : centres(s, state)) {
-    const nlohmann::json on_contours = density.empty() ? nlohmann::json() : contour_results(s, centre, density);
+    const nlohmann::json on_contours = density.empty() ? nlohmann::json() : contour_results(s, centre, density, why);
     if (on_contours.contains("j_by_contour") && !results.contains("j_integral")) { // of the first tip in a patch
       const nlohmann::json& contours = on_contours["j_by_contour"];
       const double middle = contours[contours.size() / 2][1];
@@ -242,11 +288,12 @@ void add_crack_results(const Solved& s, const CrackState& state, std::span<const
     }
     add(centre, on_contours);
     if (!s.options.post.j_domain) continue;
-    const nlohmann::json on_ring = domain_results(s, centre);
+    const nlohmann::json on_ring = domain_results(s, centre, why);
     if (on_ring.contains("j_domain") && !results.contains("j_domain") && !results.contains("j_integral"))
       results["stress_intensity"] = law::stress_intensity(on_ring["j_domain"], s.options.elastic);
     add(centre, on_ring);
   }
   if (!tips.empty()) results["tips"] = tips;
+  return why;
 }
 } // namespace pdx::record

@@ -192,9 +192,13 @@ void Recorder::write_results(Vec u, const Prior& prior, const post::Displacement
   std::vector<double> local;
   d_->system.halo->gather(u, local);
   nlohmann::json cracks = nlohmann::json::object();
-  add_crack_results({*files_.scene.mesh, options_, *d_->patch_plan, *d_, local}, cracks_->now(), prior.energy_release,
-                    cracks);
+  const std::string missing = add_crack_results({*files_.scene.mesh, options_, *d_->patch_plan, *d_, local},
+                                                cracks_->now(), prior.energy_release, cracks);
   for (const auto& [key, value] : cracks.items()) results[key] = value;
+  if (missing.empty()) return;
+  results["j_missing"] = missing;
+  if (!options_.output.warnings_are_errors)
+    files_.warn("no J at a tip where it has come to: " + missing); // all is done
 }
 
 void Recorder::tell_condensed(const solve::CondensationReport& report)
@@ -315,6 +319,7 @@ void Recorder::print_phases(const solve::StaticReport& report)
        fmt::format("{:.3g} unknowns/s, {} linear iterations", unknowns * report.newton_iterations / seconds.solve,
                    report.linear_iterations)},
       {"output", seconds.output, ""}};
+  if (files_.layout_seconds > 0.0) phases.push_back({"changes of layout", files_.layout_seconds, ""});
   if (files_.solved_before > 0.0)
     phases.insert(phases.begin() + 1,
                   {"solved before", files_.solved_before, "for the reference or the energy release"});
@@ -322,6 +327,7 @@ void Recorder::print_phases(const solve::StaticReport& report)
   if (const auto error = files_.summary.results.find("max_relative_error_percent");
       error != files_.summary.results.end())
     files_.progress.line(fmt::format("largest difference to elements only (Eq. 28): {:.4g} %", error->get<double>()));
+  for (const std::string& line : tip_lines(files_.summary.results)) files_.progress.line(line);
   files_.progress.line(citation_line(options_));
 }
 } // namespace pdx::record

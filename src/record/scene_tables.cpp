@@ -58,7 +58,10 @@ void SceneTables::number_rows()
   for (const auto& part : model_.parts) part->add_numbers(first);
   particles_ = first.back();
 
-  const PetscInt vertices = scene_.mesh->global_vertices();
+  PetscInt vertices = scene_.mesh->global_vertices(); // or nodes, of which columns over a vertex have more
+  for (const field::RowName name : names.rows())
+    if (name.kind() == field::RowName::Kind::node) vertices = std::max(vertices, static_cast<PetscInt>(name.key()) + 1);
+  MPI_Allreduce(MPI_IN_PLACE, &vertices, 1, MPIU_INT, MPI_MAX, comm);
   std::vector<PetscInt> rows, particles;
   for (const field::RowName name : names.rows())
     if (name.kind() == field::RowName::Kind::node)

@@ -211,11 +211,10 @@ void TimeRecorder::after_step(const solve::TimeDriver& driver)
   const bool looks = (output.history || d_->breaker) && step % output.history_interval == 0;
   const bool pictures = fields_due(driver);
   if (step >= last) return; // `finish` does it
-  const double probing = MPI_Wtime();
-  files_.look_at_probes(step, driver.time(), driver.displacement());
-  output_ += MPI_Wtime() - probing;
-  if (looks || pictures) {
+  const bool probes = files_.probes_due(step);
+  if (looks || pictures || probes) {
     const double begin = MPI_Wtime();
+    if (probes) files_.look_at_probes(step, driver.time(), driver.displacement());
     if (looks) look(driver);
     if (pictures) {
       files_.write_fields(driver.time(), driver.displacement());

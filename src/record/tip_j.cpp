@@ -10,6 +10,8 @@
 
 namespace pdx::record {
 namespace {
+constexpr double kProlonged = 1e-3; // of the body's size, as `crack::CrackSet` has it
+
 /// Corner values of either side of a cut element.
 void parts_of(const Solved& s, const xfem::CutElement& cut, std::vector<post::PartOfCell>& parts)
 {
@@ -113,7 +115,10 @@ post::SideOfCrack side_of(const scene::Discretisation& d, const CrackEnd& end)
   line.insert(line.end(), end.path.begin() + 1, end.path.end());
   if (!end.given.last) std::ranges::reverse(line); // as it was: a place on the crack counts as left of that
   const auto everywhere = [](const Vector<2>&) { return true; };
-  auto crack = std::make_shared<const crack::CrackSet>(std::vector<crack::Polyline>{line}, everywhere, 0.0);
+  // Both ends are inside, so nothing is prolonged, but the shift that decides about what lies on the crack goes by
+  // this.
+  const double prolong = kProlonged * d.body.size().maxCoeff();
+  auto crack = std::make_shared<const crack::CrackSet>(std::vector<crack::Polyline>{line}, everywhere, prolong);
   return [crack, sign = end.given.last ? 1 : -1](const Vector<2>& x) { return sign * crack->side(0, x); };
 }
 

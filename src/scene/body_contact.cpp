@@ -84,14 +84,21 @@ couple::Host carried_by(const mpm::Body<Dim>& body, const Site<Dim>& cell, const
   }
   return host;
 }
+
+/// Names of the sites of the bodies begin with these.
+template <int Dim> std::vector<std::uint64_t> first_names(const PointPlan<Dim>& plan)
+{
+  std::vector<std::uint64_t> first{0}; // sites of cells of the bodies before each
+  for (const mpm::Body<Dim>& of : plan.bodies) first.push_back(first.back() + 64 * of.points.size());
+  return first;
+}
 } // namespace body_contact
 
 template <int Dim>
 std::vector<couple::SurfacePoint<Dim>>
 surface_points(const PointPlan<Dim>& plan, std::span<const CellOfBody<Dim>> cells, const mpm::PointTerm<Dim>& term)
 {
-  std::vector<std::uint64_t> first{0}; // sites of cells of the bodies before each
-  for (const mpm::Body<Dim>& of : plan.bodies) first.push_back(first.back() + 64 * of.points.size());
+  const std::vector<std::uint64_t> first = body_contact::first_names(plan);
   std::vector<couple::SurfacePoint<Dim>> points;
   for (std::size_t k = 0; k < cells.size(); ++k) {
     const auto b = static_cast<std::size_t>(cells[k].body);
@@ -108,6 +115,25 @@ surface_points(const PointPlan<Dim>& plan, std::span<const CellOfBody<Dim>> cell
   return points;
 }
 
+template <int Dim>
+void add_surface_particle(const PointPlan<Dim>& plan, Index body, const Site<Dim>& site, PetscInt row,
+                          std::vector<couple::SurfacePoint<Dim>>& points)
+{
+  const mpm::Body<Dim>& of = plan.bodies[static_cast<std::size_t>(body)];
+  Site<Dim> cell{};
+  int in = 0;
+  for (std::size_t d = Dim; d-- > 0;) {
+    cell[d] = site[d] / of.material.ratio;
+    in = in * of.material.ratio + site[d] % of.material.ratio;
+  }
+  if (!of.at_surface(cell, in)) return;
+  const std::uint64_t name = body_contact::first_names(plan)[static_cast<std::size_t>(body)] +
+                             64 * static_cast<std::uint64_t>(of.number(cell)) + static_cast<std::uint64_t>(in);
+  points.push_back({{name, body, of.place_of(site), of.material.spacing}, couple::Host::of_row(row)});
+}
+
+template void add_surface_particle<3>(const PointPlan<3>&, Index, const Site<3>&, PetscInt,
+                                      std::vector<couple::SurfacePoint<3>>&);
 template class BodyContact<2>;
 template class BodyContact<3>;
 template void add_contact<2>(const options::SceneOptions&, std::vector<couple::ContactBody>,

@@ -4,12 +4,14 @@
 #include "pdx/geom/box_cover.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace pdx::scene {
 namespace {
 constexpr double kSameSide = 1e-6;                  // of a spacing: sides as near are one
 constexpr const char* kPatches = "/layout_patches"; // spacing, lower and upper corner of each box [m]
+constexpr const char* kCells = "/layout_cells";     // in space: body, then place in its grid
 constexpr const char* kCracks = "/layout_cracks";   // number of the crack and a point of it [m]
 
 std::vector<double> table(const io::SealedReader& file, const char* name, int columns)
@@ -50,6 +52,28 @@ bool are_grown(const std::vector<crack::Polyline>& lines, const crack::CrackSet&
   }
   return true;
 }
+
+/// Throws UserError for what no cell of a body can be; which cells there are, those who build know.
+std::vector<mpm::GridPlace<3>> cells_in(const io::SealedReader& file, const options::SceneOptions& options)
+{
+  const std::vector<double> places = table(file, kCells, 4);
+  std::vector<mpm::GridPlace<3>> cells;
+  for (std::size_t k = 0; k < places.size(); k += 4) {
+    for (std::size_t i = 0; i < 4; ++i)
+      file.require(kCells,
+                   places[k + i] >= 0.0 && places[k + i] < 2147483647.0 && places[k + i] == std::floor(places[k + i])
+                       ? ""
+                       : fmt::format("has {}: must be a whole number from 0 on", places[k + i]));
+    const auto at = [&](std::size_t i) { return static_cast<Index>(places[k + i]); };
+    cells.push_back({at(0), {at(1), at(2), at(3)}});
+    file.require(kCells, static_cast<std::size_t>(at(0)) < options.points.bodies.size()
+                             ? ""
+                             : fmt::format("has the body {} of {}", at(0) + 1, options.points.bodies.size()));
+  }
+  const bool rising = std::ranges::adjacent_find(cells, std::greater_equal<>()) == cells.end();
+  file.require(kCells, rising ? "" : "is not in order");
+  return cells;
+}
 } // namespace
 
 std::vector<geom::LatticeAnchor> body_lattices(const options::SceneOptions& options)
@@ -63,7 +87,11 @@ std::vector<geom::LatticeAnchor> body_lattices(const options::SceneOptions& opti
 
 Layout Layout::given(const options::SceneOptions& options)
 {
-  Layout layout{options.pd.patches, {}, options.cracks.lines, {}, options.points.regions};
+  Layout layout{options.pd.patches, {}, options.cracks.lines, {}, options.points.regions, {}};
+  if (options.mixed_in_space()) {
+    layout.cells = options.pd.cells;
+    return layout;
+  }
   for (std::size_t p = 0; p < layout.patches.size(); ++p) {
     layout.spacing.push_back(options.pd.spacing_of(p));
     layout.anchors.push_back({layout.patches[p].lower, layout.spacing[p]});
@@ -81,6 +109,7 @@ options::SceneOptions Layout::in(options::SceneOptions options) const
     options.pd.anchors = anchors;
   }
   options.cracks.lines = cracks;
+  if (cells) options.pd.cells = *cells;
   return options;
 }
 
@@ -115,7 +144,8 @@ Layout Layout::changed(const adapt::LayoutChange& change) const
     all.insert(all.end(), left.begin(), left.end());
   }
   for (const adapt::LayoutChange::Cover& cover : change.cover) of(cover.box, cover.spacing).push_back(cover.box);
-  Layout next{{}, {}, change.cracks.value_or(cracks), anchors, regions};
+  Layout next{{}, {}, change.cracks.value_or(cracks), anchors, regions, {}};
+  if (cells) std::ranges::set_union(*cells, change.cells, std::back_inserter(next.cells.emplace()));
   for (std::size_t k = 0; k < boxes.size(); ++k)
     for (const geom::Box<2>& box : geom::joined(std::move(boxes[k]), kSameSide * families[k].lattice.spacing)) {
       next.patches.push_back(box);
@@ -136,6 +166,12 @@ void Layout::write(io::Hdf5File& file) const
     for (const Vector<2>& x : cracks[k]) points.insert(points.end(), {static_cast<double>(k), x[0], x[1]});
   file.dataset(kPatches, std::span<const double>(boxes), 5);
   file.dataset(kCracks, std::span<const double>(points), 3);
+  if (!cells) return;
+  std::vector<double> places;
+  for (const mpm::GridPlace<3>& cell : *cells)
+    if (rank == 0)
+      for (const Index k : {cell.body, cell.at[0], cell.at[1], cell.at[2]}) places.push_back(k);
+  file.dataset(kCells, std::span<const double>(places), 4);
 }
 
 Layout Layout::read(const io::SealedReader& file, const options::SceneOptions& options)
@@ -159,6 +195,10 @@ Layout Layout::read(const io::SealedReader& file, const options::SceneOptions& o
                               : fmt::format("has crack {} behind {}", points[k], cracks));
     layout.cracks.resize(static_cast<std::size_t>(points[k]) + 1);
     layout.cracks.back().push_back({points[k + 1], points[k + 2]});
+  }
+  if (given.cells) {
+    layout.cells = cells_in(file, options);
+    file.require(kCells, patches_move || layout.cells == given.cells ? "" : "is not where particles of this scene lie");
   }
   file.require(kPatches,
                patches_move || same_patches(layout, given) ? "" : "is not where the patches of this scene lie");

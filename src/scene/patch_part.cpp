@@ -1,3 +1,4 @@
+#include "broken_carried.hpp"
 #include "particle_part.hpp"
 #include "pdx/adapt/quiet.hpp"
 #include "pdx/mesh/sites.hpp"
@@ -7,7 +8,6 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <limits>
-#include <set>
 
 namespace pdx::scene {
 namespace {
@@ -83,8 +83,12 @@ public:
   void break_bonds(const BrokenBonds& broken) override
   {
     ParticlePart<2>::break_bonds(broken);
-    if (broken.changed && broken.carried) break_joined(*broken.carried);
-    if (carried_) carried_->set_broken(broken.changed ? broken_now(broken) : *broken.carried);
+    std::vector<BrokenCarried<2, geom::SiteNames>::Lattice> lattices;
+    for (std::size_t p = 0; p < plan_.shapes.size(); ++p)
+      lattices.push_back({plan_.shapes[p].names, plan_.stencils[p]});
+    const BrokenCarried<2, geom::SiteNames> parted(std::move(lattices));
+    if (broken.changed && broken.carried) parted.break_joined(bonds_, *broken.carried);
+    if (carried_) carried_->set_broken(broken.changed ? parted.keys(*carried_, broken) : *broken.carried);
   }
 
   /// The lattices that particles lie on, each once.
@@ -157,59 +161,6 @@ private:
   {
     const couple::PatchShape& shape = plan_.shapes[patch];
     return field::RowName::particle(shape.names.of(shape.active.site(site)));
-  }
-
-  /// Bonds that left their patch when they broke, and lie in it now.
-  void break_joined(const std::vector<std::uint64_t>& carried) const
-  {
-    for (std::size_t p = 0; p < bonds_.parts().size(); ++p) {
-      if (bonds_.is_kept(p)) continue; // knows
-      std::vector<pd::LatticePart<2>::BondAt> within;
-      const pd::LatticePart<2>& part = *bonds_.parts()[p];
-      for (const std::uint64_t key : carried) {
-        const auto bond = couple::lattice_bond(key, plan_.shapes[p].names, part.stencil());
-        if (bond && part.active().has(bond->lower) && part.begins(bond->lower, bond->arm)) within.push_back(*bond);
-      }
-      if (!within.empty()) bonds_.set_gone(p, within);
-    }
-  }
-
-  /// Bonds of which some part had broken that elements carried.
-  std::set<std::uint64_t> parted_bonds(const std::vector<std::uint64_t>& carried) const
-  {
-    std::set<std::uint64_t> bonds;
-    for (const std::uint64_t key : carried)
-      for (std::size_t p = 0; p < plan_.shapes.size(); ++p)
-        if (const auto bond = couple::lattice_bond(key, plan_.shapes[p].names, plan_.stencils[p])) {
-          bonds.insert(plan_.shapes[p].names.of(bond->lower) * pd::kMaxHalfArms + bond->arm);
-          break;
-        }
-    return bonds;
-  }
-
-  /// Keys of the carried bonds that are broken under another layout: those that were carried then, and those that lay
-  /// in a patch. Lines are parted elsewhere: of a bond with a broken part no part heals.
-  std::vector<std::uint64_t> broken_now(const BrokenBonds& before) const
-  {
-    std::vector<std::uint64_t> keys;
-    std::vector<std::size_t> arms;
-    std::vector<std::uint64_t> broken; // none were carried where all were particles
-    if (before.carried) broken = *before.carried;
-    const std::set<std::uint64_t> parted = parted_bonds(broken);
-    std::vector<field::RowName> lower; // ends of the bonds
-    carried_->for_each_new_key([&](std::uint64_t key, Index patch) {
-      const auto p = static_cast<std::size_t>(patch);
-      const auto [site, arm] = couple::bond_name(key, plan_.shapes[p].names, plan_.stencils[p]);
-      if (parted.contains(site * pd::kMaxHalfArms + arm)) broken.push_back(key);
-      keys.push_back(key);
-      arms.push_back(arm);
-      lower.push_back(field::RowName::particle(site));
-    });
-    const std::vector<std::uint64_t> gone = before.words_of(lower);
-    for (std::size_t k = 0; k < keys.size(); ++k)
-      if (gone[kLatticeWords * k + arms[k] / 64] >> (arms[k] % 64) & 1u) broken.push_back(keys[k]);
-    std::ranges::sort(broken);
-    return broken;
   }
 
   const mesh::Mesh& mesh_;

@@ -183,6 +183,8 @@ public:
       if (cut_[b] > 0.0 || std::abs(area_[b] - boxes_[b].size().prod()) >= 1e-6 * boxes_[b].size().prod()) return b;
     return 0;
   }
+  bool cuts(std::size_t box) const { return cut_[box] > 0.0; }
+  double share(std::size_t box) const { return area_[box] / boxes_[box].size().prod(); } ///< that has elements [-]
 
 private:
   std::span<const geom::Box<2>> boxes_;
@@ -233,7 +235,12 @@ void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOption
                                     frame.text(mesh.bounds().lower), frame.text(mesh.bounds().upper)));
     const double whole = static_cast<double>(shape.active.size()) * shape.lattice.dx * shape.lattice.dx;
     if (cut[p] == 0.0 && std::abs(area[p] - whole) < 1e-6 * whole) continue;
-    const std::size_t b = CutBoxes(shape, mesh).first();
+    const CutBoxes boxes(shape, mesh);
+    const std::size_t b = boxes.first();
+    if (!boxes.cuts(b))
+      throw UserError(fmt::format("{} reaches where there are no elements: only {:.3g} % of it lies in the body; put "
+                                  "several boxes side by side, each in the body",
+                                  which(b), 100.0 * boxes.share(b)));
     throw UserError(fmt::format("{} cuts elements: its sides must lie on element boundaries{}", which(b),
                                 nearest_box(shape.boxes[b], options, frame)));
   }

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 namespace pdx::scene {
-namespace {
 template <int Dim>
 void add_points(const PointPlan<Dim>& plan, const options::PointOptions& options, PointBody<Dim>& body)
 {
@@ -22,8 +21,6 @@ void add_points(const PointPlan<Dim>& plan, const options::PointOptions& options
   body.term = term.get();
   body.model.system.terms.push_back(std::move(term));
 }
-
-} // namespace
 
 template <int Dim> std::string described(const PointPlan<Dim>& plan)
 {
@@ -137,6 +134,8 @@ template <int Dim> void PointBody<Dim>::add_blocks(const Picture& now, std::vect
   blocks.push_back(block(now.local, velocity));
 }
 
+template void add_points<2>(const PointPlan<2>&, const options::PointOptions&, PointBody<2>&);
+template void add_points<3>(const PointPlan<3>&, const options::PointOptions&, PointBody<3>&);
 template struct PointBody<2>;
 template struct PointBody<3>;
 template std::string described<2>(const PointPlan<2>&);

@@ -6,27 +6,17 @@
 #include <fmt/format.h>
 
 namespace pdx::scene {
-namespace {
+namespace point_places {
 constexpr double kOnLine = 1e-6; // of a spacing
 
-template <int Dim> class PointConditions {
+/// Which places of the bodies of a plan a condition chooses.
+template <int Dim> class PointPlaces {
 public:
-  PointConditions(const options::SceneOptions& options, PointBody<Dim>& body) : options_(options), body_(body)
+  explicit PointPlaces(const PointPlan<Dim>& plan) : plan_(plan)
   {
-    for (const mpm::Body<Dim>& of : body.plan.bodies) around_.push_back(of.around());
+    for (const mpm::Body<Dim>& of : plan.bodies) around_.push_back(of.around());
   }
-
-  void apply()
-  {
-    const auto rows = [&](const options::BoundaryCondition& c, Acts acts) { return rows_of(c, acts); };
-    Prescriptions(options_, body_.model).enter(rows, [&](const options::BoundaryCondition& c, std::span<double> force) {
-      if (c.traction) add_traction(c, force);
-      if (c.body) add_body_force(c, force);
-    });
-  }
-
-private:
-  const mpm::Body<Dim>& body_at(Index b) const { return body_.plan.bodies[static_cast<std::size_t>(b)]; }
+  const mpm::Body<Dim>& body_at(Index b) const { return plan_.bodies[static_cast<std::size_t>(b)]; }
   bool is_of(const options::BoundaryCondition& c, Index b) const { return c.of.empty() || body_at(b).name == c.of; }
   bool in_box(const options::BoundaryCondition& c, const Vector<Dim>& x, double dx) const
   {
@@ -38,6 +28,52 @@ private:
     const geom::Box<Dim>& box = around_[static_cast<std::size_t>(b)];
     return (on.high ? box.upper : box.lower)[static_cast<Eigen::Index>(on.axis)];
   }
+  /// Is a place of a body chosen that is no further from a side than `depth`, if one is named?
+  bool chosen(const options::BoundaryCondition& c, Index b, const Vector<Dim>& x, double depth) const
+  {
+    if (!is_of(c, b) || !in_box(c, x, body_at(b).material.spacing)) return false;
+    if (c.on.empty()) return true;
+    const BoxSide on = point_side(c, Dim);
+    return std::abs(x[static_cast<Eigen::Index>(on.axis)] - side(on, b)) <= depth;
+  }
+  bool node_chosen(const options::BoundaryCondition& c, Index b, const Vector<Dim>& x) const
+  {
+    return chosen(c, b, x, kOnLine * body_at(b).material.spacing);
+  }
+
+private:
+  const PointPlan<Dim>& plan_;
+  std::vector<geom::Box<Dim>> around_; // of bodies
+};
+} // namespace point_places
+
+namespace {
+using point_places::kOnLine;
+using point_places::PointPlaces;
+
+template <int Dim> class PointConditions {
+public:
+  PointConditions(const options::SceneOptions& options, PointBody<Dim>& body)
+      : options_(options), body_(body), places_(body.plan)
+  {}
+
+  void apply()
+  {
+    const auto rows = [&](const options::BoundaryCondition& c, Acts acts) { return rows_of(c, acts); };
+    Prescriptions(options_, body_.model).enter(rows, [&](const options::BoundaryCondition& c, std::span<double> force) {
+      if (c.traction) add_traction(c, force);
+      if (c.body) add_body_force(c, force);
+    });
+  }
+
+private:
+  const mpm::Body<Dim>& body_at(Index b) const { return places_.body_at(b); }
+  bool is_of(const options::BoundaryCondition& c, Index b) const { return places_.is_of(c, b); }
+  bool in_box(const options::BoundaryCondition& c, const Vector<Dim>& x, double dx) const
+  {
+    return places_.in_box(c, x, dx);
+  }
+  double side(const BoxSide& on, Index b) const { return places_.side(on, b); }
 
   [[noreturn]] void refuse_nowhere(const options::BoundaryCondition& c, const char* what, const char* things) const
   {
@@ -59,16 +95,14 @@ private:
           require_line(c, of.name, away / of.cell_size(), of.cell_size());
         }
     std::set<Index> rows;
+    const auto nodes = static_cast<std::size_t>(body_.grid.rows.nodes);
     for (std::size_t row = 0; row < body_.grid.place.size(); ++row) {
       const Index b = body_.grid.body[row];
       const Vector<Dim>& x = body_.grid.place[row];
-      const double dx = body_at(b).material.spacing;
-      if (!is_of(c, b) || !in_box(c, x, dx)) continue;
-      if (!c.on.empty()) {
-        const BoxSide on = point_side(c, Dim);
-        if (std::abs(x[static_cast<Eigen::Index>(on.axis)] - side(on, b)) > kOnLine * dx) continue;
-      }
-      rows.insert(static_cast<Index>(row));
+      const bool chosen = row < nodes
+                              ? places_.node_chosen(c, b, x) // particles beside a side lie half a spacing inside
+                              : places_.chosen(c, b, x, body_at(b).material.spacing);
+      if (chosen) rows.insert(static_cast<Index>(row));
     }
     if (!any_rank(body_.model.system.rows.comm, !rows.empty())) refuse_nowhere(c, word_of(acts), "node of the grid");
     return rows;
@@ -93,6 +127,17 @@ private:
     }
   }
 
+  /// Calls visit(row, body, place) for the particles of the bodies that a condition is for.
+  template <class Visit> void for_each_particle(const options::BoundaryCondition& c, Visit&& visit) const
+  {
+    for (auto row = static_cast<std::size_t>(body_.grid.rows.first_particle()); row < body_.grid.place.size(); ++row)
+      if (const Index b = body_.grid.body[row]; is_of(c, b)) visit(row, body_at(b), body_.grid.place[row]);
+  }
+  static void push(std::size_t row, const Vector<3>& load, std::span<double> force)
+  {
+    for (std::size_t d = 0; d < Dim; ++d) force[Dim * row + d] += load[static_cast<Eigen::Index>(d)];
+  }
+
   /// Points by body and box.
   void add_body_force(const options::BoundaryCondition& c, std::span<double> force) const
   {
@@ -107,6 +152,11 @@ private:
         spread(cell, x, volume(of) * *c.body, force);
       });
     }
+    for_each_particle(c, [&](std::size_t row, const mpm::Body<Dim>& of, const Vector<Dim>& x) {
+      if (!in_box(c, x, of.material.spacing)) return;
+      any = true;
+      push(row, volume(of) * *c.body, force);
+    });
     if (!any_rank(body_.model.system.rows.comm, any)) refuse_nowhere(c, "body force", "point");
   }
 
@@ -128,6 +178,13 @@ private:
         spread(cell, face, volume(of) / dx * *c.traction, force);
       });
     }
+    for_each_particle(c, [&](std::size_t row, const mpm::Body<Dim>& of, Vector<Dim> face) {
+      const double dx = of.material.spacing;
+      face[axis] += on.high ? 0.5 * dx : -0.5 * dx;
+      if (std::abs(face[axis] - side(on, body_.grid.body[row])) > kOnLine * dx || !in_box(c, face, dx)) return;
+      any = true;
+      push(row, volume(of) / dx * *c.traction, force);
+    });
     if (!any_rank(body_.model.system.rows.comm, any)) refuse_nowhere(c, "traction", "point");
   }
 
@@ -138,7 +195,7 @@ private:
 
   const options::SceneOptions& options_;
   PointBody<Dim>& body_;
-  std::vector<geom::Box<Dim>> around_; // of bodies
+  PointPlaces<Dim> places_;
 };
 } // namespace
 
@@ -146,6 +203,48 @@ template <int Dim> void apply_conditions(const options::SceneOptions& options, P
 {
   PointConditions<Dim>(options, body).apply();
 }
+
+template <int Dim>
+std::vector<std::vector<std::uint8_t>> side_held_cells(const options::SceneOptions& options, const PointPlan<Dim>& plan)
+{
+  const point_places::PointPlaces<Dim> places(plan);
+  std::vector<std::vector<std::uint8_t>> held;
+  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
+    const mpm::Body<Dim>& of = plan.bodies[b];
+    held.emplace_back(of.points.size(), std::uint8_t{0});
+    const auto each_corner = [&](const Site<Dim>& cell, auto&& visit) {
+      for (unsigned corner = 0; corner < 1U << Dim; ++corner) {
+        Site<Dim> node = cell;
+        for (std::size_t d = 0; d < Dim; ++d) node[d] += static_cast<Index>(corner >> d & 1U);
+        visit(node);
+      }
+    };
+    for (const options::BoundaryCondition& c : options.conditions) {
+      if (!c.holds() || !places.is_of(c, static_cast<Index>(b))) continue;
+      const auto holds = [&](const Site<Dim>& node) {
+        return places.node_chosen(c, static_cast<Index>(b), of.node(node));
+      };
+      const bool whole = c.on.empty() && c.box; // a cell all of whose nodes are in the box is held as particles are
+      std::set<Site<Dim>> outer;                // nodes that are held for another reason
+      for (std::size_t k = 0; k < of.points.size(); ++k) {
+        if (of.points[k] == 0) continue;
+        bool all = true;
+        each_corner(of.cell(static_cast<std::int64_t>(k)), [&](const Site<Dim>& node) { all = all && holds(node); });
+        if (whole && all) continue;
+        each_corner(of.cell(static_cast<std::int64_t>(k)), [&](const Site<Dim>& node) {
+          if (holds(node)) outer.insert(node);
+        });
+      }
+      if (outer.empty()) continue;
+      for (std::size_t k = 0; k < of.points.size(); ++k)
+        each_corner(of.cell(static_cast<std::int64_t>(k)), [&](const Site<Dim>& node) {
+          if (outer.contains(node)) held.back()[k] = 1;
+        });
+    }
+  }
+  return held;
+}
+template std::vector<std::vector<std::uint8_t>> side_held_cells<3>(const options::SceneOptions&, const PointPlan<3>&);
 template void apply_conditions<2>(const options::SceneOptions&, PointBody<2>&);
 template void apply_conditions<3>(const options::SceneOptions&, PointBody<3>&);
 } // namespace pdx::scene

@@ -8,6 +8,7 @@
 #include "pdx/scene/particle_warnings.hpp"
 #include "pdx/scene/point_body.hpp"
 #include "pdx/scene/solid.hpp"
+#include "pdx/scene/space_body.hpp"
 #include "pdx/solve/stable_step.hpp"
 
 #include <cmath>
@@ -259,6 +260,51 @@ private:
   std::unique_ptr<Model> body_;
 };
 
+/// Material points in space, and particles in cells of theirs.
+class SpaceScene final : public Scene {
+public:
+  SpaceScene(MPI_Comm comm, options::SceneOptions given, const SpaceBodies& bodies, const mesh::MeasuredCosts* costs)
+      : options_(std::move(given)), bodies_(bodies), mesh_(cut_mesh(comm, bodies.points.mesh, {}, costs))
+  {
+    build();
+  }
+  Standing standing() override { return {&mesh_, body_.get()}; }
+  field::System& system() override { return body_->system; }
+  StepLimits limits() override { return limits_of<3>({&*bodies_.stencil, 1}, body_->system); }
+  const adapt::SpaceView* space() const override { return &*view_; }
+  void change(const Layout& layout) override
+  {
+    view_.reset();
+    body_.reset();
+    options_ = layout.in(std::move(options_));
+    build();
+  }
+
+private:
+  void build()
+  {
+    body_ = discretise(options_, bodies_, mesh_);
+    view_.emplace(body_->view());
+    stop_if_told(mesh_.comm());
+  }
+  options::SceneOptions options_;
+  const SpaceBodies& bodies_;
+  mesh::Mesh mesh_;
+  std::unique_ptr<SpaceModel> body_;
+  std::optional<adapt::SpaceView> view_;
+};
+
+SceneMaker space_maker(MPI_Comm comm, options::SceneOptions& options)
+{
+  auto bodies = std::make_shared<SpaceBodies>(settle_in_space(options));
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  if (rank) *bodies->points.mesh.list = {}; // a mesh begins on one rank
+  return [comm, &options, bodies](const Layout& layout, const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
+    return std::make_unique<SpaceScene>(comm, layout.in(options), *bodies, costs);
+  };
+}
+
 template <int Dim> SceneMaker point_maker(MPI_Comm comm, options::SceneOptions& options)
 {
   auto plan = std::make_shared<PointPlan<Dim>>(plan_points<Dim>(options, std::numeric_limits<double>::infinity()));
@@ -306,6 +352,7 @@ SceneMaker scene_in_time(MPI_Comm comm, options::SceneOptions& options)
 {
   const bool solid = options.solid;
   if (options.mixed()) return plane_maker(comm, options, settle_mixed(comm, options));
+  if (options.mixed_in_space()) return space_maker(comm, options);
   if (options.points.any() && options.points.formulation == options::Formulation::updated)
     return grid_scene(comm, options);
   if (options.points.any()) return solid ? point_maker<3>(comm, options) : point_maker<2>(comm, options);

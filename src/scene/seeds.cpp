@@ -110,9 +110,10 @@ double chosen_spacing(const std::vector<SeedTip>& seeds)
   std::ranges::sort(all);
   const double dx = nearest_fit(all, options::kSeedShare * shortest);
   if (dx > 0.0) return dx;
+  const auto [low, high] = std::ranges::minmax(all);
   throw UserError(fmt::format("-pd_spacing is missing: no spacing near {:.6g} m divides all elements at the tips of "
-                              "cracks: give one that does, or change the mesh",
-                              options::kSeedShare * shortest));
+                              "cracks, whose sides are {:.6g} to {:.6g} m: give one that does, or make them square",
+                              options::kSeedShare * shortest, low, high));
 }
 
 geom::Box<2> box_at(MPI_Comm comm, const options::SceneOptions& options, const SeedTip& seed, double dx)

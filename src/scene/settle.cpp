@@ -83,6 +83,7 @@ void move_into(const geom::Frame& frame, double finest, options::SceneOptions& o
   if (options.layout.renew_box) move(*options.layout.renew_box);
   if (options.mesh.list) std::ranges::for_each(options.mesh.list->points, move);
   std::ranges::for_each(options.pd.patches, move);
+  for (geom::Box<3>& box : options.pd.boxes) box = {frame.inside(box.lower), frame.inside(box.upper)};
   for (crack::Polyline& line : options.cracks.lines) std::ranges::for_each(line, move);
   std::ranges::for_each(options.fracture.no_fail, move);
   for (geom::Box<2>& zone : options.fracture.no_fail) {

@@ -1,10 +1,15 @@
 #include "pdx/solve/kept_momentum.hpp"
 
 #include "pdx/base/gather.hpp"
+#include "pdx/base/symmetric.hpp"
 
 #include <algorithm>
 
 namespace pdx::solve {
+namespace {
+constexpr double kNoInertia = 1e-12; // of the largest: a line does not turn about itself
+} // namespace
+
 void keep_momentum(const MovingSystem& moving, std::span<const double> is_new, const std::array<double, 3>& wanted,
                    std::vector<double>& v)
 {
@@ -32,47 +37,75 @@ void keep_momentum(const MovingSystem& moving, std::span<const double> is_new, c
     for (std::size_t d = 0; d < dim; ++d) v[row * dim + d] += is_new[row] * (wanted[d] - now[d]) / mass[d];
 }
 
-double angular_momentum(const MovingSystem& moving, std::span<const double> u, std::span<const double> v)
+namespace {
+/// With zeros behind what the plane has not.
+Vector<3> at(std::span<const double> values, std::size_t row, std::size_t dim)
+{
+  Vector<3> x = Vector<3>::Zero();
+  for (std::size_t d = 0; d < dim; ++d) x[static_cast<Eigen::Index>(d)] = values[dim * row + d];
+  return x;
+}
+} // namespace
+
+Vector<3> angular_momentum(const MovingSystem& moving, std::span<const double> u, std::span<const double> v)
 {
   const field::Rows& rows = moving.system.rows;
+  const auto dim = static_cast<std::size_t>(rows.dim);
   const std::vector<double>& place = moving.system.coordinates;
-  double sum = 0.0;
-  const auto add = [&](double mass, const Vector<2>& x, const Vector<2>& of) {
-    sum += mass * (x[0] * of[1] - x[1] * of[0]);
-  };
-  const auto at = [](std::span<const double> values, std::size_t row) {
-    return Vector<2>(values[2 * row], values[2 * row + 1]);
-  };
+  Vector<3> sum = Vector<3>::Zero();
+  const auto add = [&](double mass, const Vector<3>& x, const Vector<3>& of) { sum += mass * x.cross(of); };
   std::vector<bool> tied(moving.mass.size(), false);
   for (const field::Tie& t : moving.ties()) { // far halves
     const auto set = static_cast<std::size_t>(t.set), row = static_cast<std::size_t>(t.row);
     tied[set] = true;
-    add(moving.mass[set], at(place, row) + at(u, row) + t.factor * at(u, set), at(v, row) + t.factor * at(v, set));
+    add(moving.mass[set], at(place, row, dim) + at(u, row, dim) + t.factor * at(u, set, dim),
+        at(v, row, dim) + t.factor * at(v, set, dim));
   }
   for (std::size_t row = 0; row < moving.mass.size(); ++row)
-    if (!tied[row]) add(moving.mass[row], at(place, row) + at(u, row), at(v, row));
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, rows.comm);
+    if (!tied[row]) add(moving.mass[row], at(place, row, dim) + at(u, row, dim), at(v, row, dim));
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, rows.comm);
   return sum;
 }
 
-void keep_angular_momentum(const MovingSystem& moving, std::span<const double> is_new, double wanted,
+void keep_angular_momentum(const MovingSystem& moving, std::span<const double> is_new, const Vector<3>& wanted,
                            std::span<const double> u, std::vector<double>& v)
 {
   const field::Rows& rows = moving.system.rows;
-  if (rows.dim != 2 || any_rank(rows.comm, !moving.system.prescribed.components.empty())) return;
-  std::vector<double> drift(v.size(), 0.0), turn(v.size(), 0.0); // as one velocity, as one turn
-  for (std::size_t row = 0; row < is_new.size(); ++row) {
-    const bool moves = static_cast<Index>(row) < rows.nodes || static_cast<Index>(row) >= rows.first_particle();
-    if (!moves || is_new[row] == 0.0) continue;
-    drift[2 * row] = drift[2 * row + 1] = 1.0;
-    turn[2 * row] = -moving.system.coordinates[2 * row + 1] - u[2 * row + 1];
-    turn[2 * row + 1] = moving.system.coordinates[2 * row] + u[2 * row];
-  }
-  const std::array<double, 3> mass = moving.momentum(drift), off = moving.momentum(turn);
+  const auto dim = static_cast<std::size_t>(rows.dim);
+  if (any_rank(rows.comm, !moving.system.prescribed.components.empty())) return;
+  const auto turns = [&](std::size_t row) { // it is new and no set
+    const auto local = static_cast<Index>(row);
+    return is_new[row] != 0.0 && (local < rows.nodes || local >= rows.first_particle());
+  };
+  std::vector<double> drift(v.size(), 0.0); // as one velocity
+  for (std::size_t row = 0; row < is_new.size(); ++row)
+    if (turns(row)) std::fill_n(drift.begin() + static_cast<std::ptrdiff_t>(dim * row), dim, 1.0);
+  const std::array<double, 3> mass = moving.momentum(drift);
   if (mass[0] <= 0.0) return;
-  for (std::size_t k = 0; k < v.size(); ++k) turn[k] -= drift[k] * off[k % 2] / mass[k % 2]; // about their middle
-  const double inertia = angular_momentum(moving, u, turn), missing = wanted - angular_momentum(moving, u, v);
-  if (inertia <= 0.0) return;
-  for (std::size_t k = 0; k < v.size(); ++k) v[k] += missing / inertia * turn[k];
+  // A turn about each axis, about their middle, and what angular momentum it has.
+  const Eigen::Index first = dim == 2 ? 2 : 0;
+  std::array<std::vector<double>, 3> turn;
+  Tensor<3> inertia = Tensor<3>::Identity();
+  for (Eigen::Index axis = first; axis < 3; ++axis) {
+    std::vector<double>& of = turn[static_cast<std::size_t>(axis)];
+    of.assign(v.size(), 0.0);
+    for (std::size_t row = 0; row < is_new.size(); ++row) {
+      if (!turns(row)) continue;
+      const Vector<3> speed = Vector<3>::Unit(axis).cross(at(moving.system.coordinates, row, dim) + at(u, row, dim));
+      for (std::size_t d = 0; d < dim; ++d) of[dim * row + d] = speed[static_cast<Eigen::Index>(d)];
+    }
+    const std::array<double, 3> off = moving.momentum(of);
+    for (std::size_t k = 0; k < v.size(); ++k) of[k] -= drift[k] * off[k % dim] / mass[k % dim];
+    inertia.col(axis) = angular_momentum(moving, u, of);
+  }
+  const Vector<3> missing = wanted - angular_momentum(moving, u, v);
+  Vector<3> rate = Vector<3>::Zero();
+  if (dim == 2) {
+    if (inertia(2, 2) <= 0.0) return;
+    rate[2] = missing[2] / inertia(2, 2);
+  } else
+    rate = least_solution(inertia, missing, kNoInertia);
+  for (Eigen::Index axis = first; axis < 3; ++axis)
+    for (std::size_t k = 0; k < v.size(); ++k) v[k] += rate[axis] * turn[static_cast<std::size_t>(axis)][k];
 }
 } // namespace pdx::solve

@@ -87,6 +87,19 @@ MIXED = BODIES | {
     "-pd_horizon_ratio": "3",
     "-pd_critical_stretch": "0.01",
 }
+# The same two in space, the first held at its left, with a block of particles beside the middle.
+SPACE = {key: value for key, value in BODIES.items()} | {
+    "-material_plane": "solid",
+    "-material_poisson": "0.25",
+    "-mpm_one_box": "0,0,0,0.8,0.4,0.4",
+    "-mpm_one_velocity": "1,0,0",
+    "-mpm_two_box": "1,0,0,1.8,0.4,0.4",
+    "-bc_left_displacement": "0,0,0",
+    "-pd_patches": "0.4,0,0,0.6,0.4,0.2",
+    "-pd_spacing": "0.1",
+    "-pd_horizon_ratio": "3",
+    "-pd_critical_stretch": "0.01",
+}
 # 10 x 8 particles 0.1 m apart from a file, those of the left column in set 1; moved at the left, pulled at the top.
 CLOUD = {key: value for key, value in PLATE.items() if not key.startswith(("-bc_", "-mesh_"))} | {
     "-pd_cloud": "{dir}/good.csv",
@@ -116,6 +129,10 @@ FILES = {
     + f"$Elements\n6\n{SIDES}3 2 2 3 1 1 2 5\n4 2 2 3 1 1 5 4\n5 2 2 3 1 2 3 6\n6 2 2 3 1 2 6 5\n$EndElements\n",
     "truncated.msh": GMSH_HEAD + NODES + f"$Elements\n4\n{SIDES}3 3 2 3",
     "no_nodes.msh": GMSH_HEAD,
+    # A lower right half that is missing: three squares of the plate, an L.
+    "l.msh": GMSH_HEAD
+    + "$Nodes\n8\n1 0 0 0\n2 0.5 0 0\n3 0 0.5 0\n4 0.5 0.5 0\n5 1 0.5 0\n6 0 1 0\n7 0.5 1 0\n8 1 1 0\n$EndNodes\n$Elements\n5\n"
+    + "1 1 2 1 1 6 1\n2 1 2 2 2 5 8\n3 3 2 3 1 1 2 4 3\n4 3 2 3 1 3 4 7 6\n5 3 2 3 1 4 5 8 7\n$EndElements\n",
     "garbage.msh": "This is a letter, not a mesh.\nIt has two lines.\n",
     "empty.msh": "",
     "no_dash.opts": "-mesh_cells 4,4\nmaterial_young 1e9\n",
@@ -166,7 +183,7 @@ def on(base):
     return lambda name, pattern, **change: Case(name, {f"-{key}": value for key, value in change.items()}, pattern, base)
 
 
-plate, patch, solid, points, mixed = map(on, (PLATE, PATCH, SOLID, BODIES, MIXED))
+plate, patch, solid, points, mixed, space = map(on, (PLATE, PATCH, SOLID, BODIES, MIXED, SPACE))
 heat, quench, table = map(on, (HEAT, QUENCH, TABLE))
 
 
@@ -311,6 +328,8 @@ CASES = [
     patch("patch outside the mesh", r"-pd_patches\b.*(outside|inside|mesh)", pd_patches="2,2,3,3"),
     patch("patch half outside the mesh", r"-pd_patches\b.*(outside|inside|mesh)", pd_patches="0.5,0.25,1.5,0.75"),
     patch("patch that cuts elements", r"-pd_patches\b.*(element|cell|edge)", pd_patches="0.3,0.25,0.75,0.75"),
+    Case("patch that reaches out of an L", {"-mesh_file": "{dir}/l.msh", "-pd_patches": "0,0,1,1", "-pd_spacing": "0.05"},
+         r"-pd_patches: patch 1\b.*where there are no elements: only 75 %.*several boxes", FILE),
     patch("patch without width", r"-pd_patches\b", pd_patches="0.25,0.25,0.25,0.75"),
     patch("patch inside out", r"-pd_patches\b", pd_patches="0.75,0.75,0.25,0.25"),
     patch("three numbers for a patch", r"-pd_patches\b.*3", pd_patches="0.25,0.25,0.75"),
@@ -361,6 +380,8 @@ CASES = [
     plate("place without a point force", r"-bc_right_at\b.*-bc_right_force\b", bc_right_at="0.5,0.5"),
     plate("body force on a boundary", r"-bc_right_on\b.*body.*-bc_right_box\b", bc_right_traction=None,
           bc_right_body="1,0"),
+    plate("a point that is to be held", r"-bc_right_at is the place of a point force\b.*-bc_right_box", bc_right_traction=None,
+          bc_right_on=None, bc_right_displacement="0,0", bc_right_at="0.5,0.5"),
     plate("point force on a boundary", r"-bc_right_on\b.*-bc_right_at\b", bc_right_traction=None,
           bc_right_force="1,0", bc_right_at="0.5,0.5"),
     plate("no condition at all", r"-bc_names\b|-bc_\w*displacement", bc_names=None, bc_left_on=None,
@@ -482,7 +503,7 @@ CASES = [
     seed("a spacing above the elements at a tip", r"-pd_spacing is 0\.4\b.*nearest that fits is 0\.25", pd_spacing="0.4"),
     seed("a spacing that fits one side of elements", r"-pd_spacing is 0\.04\b.*0\.25 and 0\.2 m.*fits is 0\.05",
          mesh_cells="4,5", pd_spacing="0.04"),
-    seed("no spacing divides elements at tips", r"-pd_spacing is missing\b.*0\.0192308", mesh_cells="9,13", pd_spacing=None),
+    seed("no spacing divides elements at tips", r"-pd_spacing is missing\b.*0\.0192308.*0\.0769231 to 0\.111111 m", mesh_cells="9,13", pd_spacing=None),
     seed("seeds of particles beyond number", r"-pd_spacing is 1e-09\b.*more than", pd_spacing="1e-9"),
     seed("seeds at another Poisson's ratio", r"-material_poisson is 0\.2\b", material_poisson="0.2", pd_spacing=None),
     seed("seeds with a length of moving patches", r"-adapt_critical_length\b.*-adapt expand", adapt_critical_length="0.1"),
@@ -517,6 +538,29 @@ CASES = [
     plate("a format without fields", r"-output_format vtkhdf\b.*-output_fields", output_format="vtkhdf"),
     plate("output interval zero", r"-output_interval\b.*0.*at least 1", output_interval="0"),
     plate("output interval not whole", r"-output_interval\b.*1\.5.*whole", output_interval="1.5"),
+    # --- points beside particles in space
+    space("a plane patch in space", r"-pd_patches has 4 numbers\b.*six", pd_patches="0.2,0,0.6,0.4"),
+    space("a box in space upside down", r"-pd_patches is 0\.6,0,0,0\.2\b.*lower corner", pd_patches="0.6,0,0,0.2,0.4,0.4"),
+    space("a box that cuts cells in space", r"-pd_patches\b.*\(0\.3, 0, 0\).*whole cells\b.*0\.2 m", pd_patches="0.3,0,0,0.6,0.4,0.4"),
+    space("a box in two bodies in space", r"-pd_patches\b.*whole cells of one body", pd_patches="0.6,0,0,1.2,0.4,0.4"),
+    space("particles at a held side in space", r"-pd_patches: the cell of one at \(0, 0, 0\) is held", pd_patches="0,0,0,0.2,0.4,0.4"),
+    space("particles finer than points in space", r"-pd_patches: the cell of one\b.*-pd_spacing", pd_spacing="0.05"),
+    space("particles of another material in space", r"-pd_patches: the cell of one\b.*-material_young", mpm_one_young="2e9"),
+    space("particles in a round border in space", r"-pd_patches: the cell of one\b.*not full of points", mpm_one_box=None,
+          mpm_one_sphere="0.2,0.2,0.2,0.2", bc_names=None, bc_left_of=None, bc_left_on=None, bc_left_displacement=None,
+          pd_patches="0,0,0,0.4,0.4,0.4"),
+    space("a handshake in space", r"-material_plane solid\b.*-mpm_coupling handshake", mpm_coupling="handshake"),
+    space("handing back in space", r"-material_plane solid\b.*-adapt_hand_back", adapt="expand", adapt_trigger="stretch",
+          adapt_hand_back="10"),
+    space("relocation in space", r"-material_plane solid\b.*-adapt expand", adapt="relocate"),
+    space("mass for a face in space", r"-material_plane solid\b.*-couple_face_mass", couple_face_mass="1"),
+    space("a crack in points in space", r"-material_plane solid\b.*-crack_names", crack_names="a", crack_a_points="0,0.2,0.4,0.2"),
+    space("implicit steps of particles in space", r"-material_plane solid\b.*-analysis explicit", analysis="implicit",
+          contact="none", ts_dt="1e-6"),
+    space("a grid made anew beside particles in space", r"-material_plane solid\b.*-mpm_formulation total",
+          mpm_formulation="updated"),
+    space("elements in space", r"-material_plane solid\b.*no elements", mesh_lower="2,0", mesh_upper="2.8,0.4", mesh_cells="4,2"),
+    space("all of points as particles in space", r"-pd_patches all\b.*boxes", pd_patches="all"),
     # --- solids
     solid("solid of elements", r"-material_plane solid\b.*-pd_patches all", pd_patches=None, pd_spacing=None,
           mesh_cells="4,4"),
@@ -710,6 +754,7 @@ GOOD = [
     Case("two bodies of points", {}, "", BODIES),
     Case("points beside elements and particles", {}, "", MIXED),
     Case("points that may become particles", {"-adapt": "expand", "-adapt_trigger": "connection,stretch"}, "", MIXED),
+    Case("points beside particles in space", {}, "", SPACE),
     Case("bodies of points in touch", {"-mpm_two_box": "0.8,0,1.6,0.4"}, "", BODIES),
     Case("traction and displacement on one boundary", {"-bc_left_traction": "0,1e5"}, "", PLATE),
 ]

@@ -88,6 +88,17 @@ class Docs(program.ProgramTest):
         for message in said:
             self.assertRegex(sources, r"[^\"]*".join(map(re.escape, message.split("…"))))
 
+    def test_one_version_everywhere(self):
+        """That of CMakeLists.txt is what program and packages are called by; the others are written by hand."""
+        found = lambda file, pattern: re.search(pattern, (program.ROOT / file).read_text(encoding="utf-8"))[1]
+        version = found("CMakeLists.txt", r"project\(pdxsolve VERSION (\S+)")
+        said = subprocess.run([*program.ALONE, program.PROGRAM, "-version"], capture_output=True, text=True, check=True)
+        self.assertRegex(said.stdout, rf"^pdxsolve {re.escape(version)} ")
+        self.assertEqual(found("CITATION.cff", r"(?m)^version: (\S+)"), version)
+        self.assertEqual(pdxtools.__version__, version)
+        self.assertEqual(found("CHANGELOG.md", r"(?m)^## (\S+)$"), version)  # the newest that is not (unreleased)
+        self.assertEqual(found("README.md", r"(?m)^Version (\S+) "), version.rsplit(".", 1)[0])
+
     def test_every_case_has_a_page(self):
         pages = self.build() / "pages"
         for readme in (program.ROOT / "cases").glob("*/README.md"):

@@ -109,6 +109,15 @@ CASES = [
     Case("an empty file beside others", PLATE, None, ("-options_file", "empty.opts", "-options_file", "case.opts"),
          {"empty.opts": ""}),
     plate("a file in a file", "-options_file 'in ner.opts'", files={"in ner.opts": "-mesh_lower 0,0\n"}),
+    Case("a file beside and one above the file that names them", "", None, ("-options_file", "a/b/case.opts"),
+         {"a/b/case.opts": "-options_file beside.opts\n-options_file b/above.opts\n-options_file above.opts\n",
+          "a/b/beside.opts": "-case beside\n", "a/above.opts": PLATE, "a/b/above.opts": "-case above\n"}),
+    Case("a file here before one beside the file that names it", "", None, ("-options_file", "a/case.opts"),
+         {"a/case.opts": "-options_file plate.opts\n", "a/plate.opts": "-no_such_option 1\n", "plate.opts": PLATE}),
+    Case("a file that is nowhere", "", r"^error: a/case\.opts, line 1: -options_file plate\.opts: there is no such file",
+         ("-options_file", "a/case.opts"), {"a/case.opts": "-options_file plate.opts\n", "b/plate.opts": PLATE}),
+    Case("a table beside the file that names it", PLATE, None, ("-options_file", "case.opts", "-options_file", "a/heat.opts"),
+         {"a/heat.opts": "-crack_file a.cracks\n", "a/a.cracks": "0 0.3\n0.4 0.3\n"}),
     plate("a fault in a file in a file", "-options_file inner.opts", r"^error: inner\.opts, line 2: \"0\" is one word",
           files={"inner.opts": "\n-mesh_lower 0 0\n"}),
     plate("a path with a blank but no quotes", "-options_file in ner.opts", AT + r"\"ner\.opts\" is one word.*quotes",
@@ -186,6 +195,7 @@ def run(case, ranks):
     with tempfile.TemporaryDirectory() as directory:
         here = pathlib.Path(directory)
         for name, text in ({"case.opts": case.text} | case.files).items():
+            (here / name).parent.mkdir(parents=True, exist_ok=True)
             (here / name).write_bytes(text.replace("{dir}", directory).encode())
         os.mkfifo(here / "pipe")
         settings = [f"{key}={value}" for key, value in case.environment.items()]

@@ -32,6 +32,8 @@ class Scripts(program.ProgramTest):
                 self.assertEqual(picture.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
         refused = self.script("plot_case.py", points.directory, "-o", self.scratch / "no.png", "--kind", "damage", status=1)
         self.assertIn("no particles with a damage", refused.stderr)
+        nowhere = self.script("plot_case.py", self.scratch / "nowhere", "-o", self.scratch / "no.png", status=1)
+        self.assertRegex(nowhere.stderr, r"^plot_case\.py: \S*nowhere is not there: give the directory of a run with -output_fields\n$")
 
     def test_one_step_is_what_other_programs_read(self):
         run = self.solve(program.SMALL_PATCH | FIELDS)

@@ -28,10 +28,11 @@ template <int Dim> struct Body {
       run.cells = side;
       for (Index x = 0; x < side; ++x) {
         mpm::CellRows<Dim> rows;
-        for (Index a = 0; a < kCorners<Dim>; ++a)
-          rows[static_cast<std::size_t>(a)] =
-              ((k / side + (a >> 2)) * line + k % side + (a >> 1 & 1)) * line + x + (a & 1);
-        for (std::size_t l = 0; x == 0 && l < run.first.size(); ++l) run.first[l] = rows[2 * l];
+        for (Index a = 0; a < kCorners<Dim>; ++a) {
+          const Index along = Dim == 2 ? a & 1 : a >> 2, next = Dim == 2 ? a >> 1 : a & 1, last = Dim == 2 ? 0 : a >> 1 & 1;
+          rows[static_cast<std::size_t>(a)] = ((k / side + last) * line + k % side + next) * line + x + along;
+        }
+        for (std::size_t l = 0; x == 0 && l < run.first.size(); ++l) run.first[l] = rows[mpm::CellRun<Dim>::corner(l)];
         cells.push_back(rows);
       }
       runs.push_back(run);

@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/crack/crack_set.hpp"
 #include "pdx/geom/same_lattice.hpp"
+#include "pdx/mpm/grid_cell.hpp"
 
 #include <optional>
 
@@ -20,6 +21,8 @@ struct LayoutChange {
   std::optional<std::vector<crack::Polyline>> cracks;
   /// As far as they are known, through what stays particles too: they hide particles from nodes. Empty: as they are.
   std::vector<crack::Polyline> paths;
-  bool empty() const { return cover.empty() && uncover.empty(); }
+  /// In space: cells of the grids of bodies of material points that become particles, ascending.
+  std::vector<mpm::GridPlace<3>> cells;
+  bool empty() const { return cover.empty() && uncover.empty() && cells.empty(); }
 };
 } // namespace pdx::adapt

@@ -19,7 +19,8 @@ struct Unit {
 /// and quotients of them with powers: kg/m^3, J/m2, N/mm^2, m/s. "-" and "" are 1. None: it is no unit.
 std::optional<Unit> unit_in(std::string_view word);
 
-/// A number and what stands directly behind it: "72GPa" is 72 and "GPa". None: it does not begin with a number.
+/// A number, or a quotient of two (1/3), and what stands directly behind: "72GPa" is 72 and "GPa". None: it does not
+/// begin with a number.
 struct Quantity {
   double number = 0.0;
   std::string unit; ///< "": none was given, the value is in SI units

@@ -4,6 +4,7 @@
 #include "pdx/adapt/expansion.hpp"
 #include "pdx/adapt/quiet.hpp"
 #include "pdx/adapt/seen_damage.hpp"
+#include "pdx/adapt/space_conversion.hpp"
 #include "pdx/io/hdf5_file.hpp"
 #include "pdx/io/sealed_reader.hpp"
 #include "pdx/scene/patches.hpp"
@@ -24,10 +25,16 @@ public:
   /// @param broken bonds that this rank counts, since the start   @param local displacement [owned | halo] [m]
   adapt::LayoutChange look(const adapt::SceneView& scene, const scene::PatchPlan& plan, std::int64_t broken,
                            std::span<const double> local);
+  /// The same in space.
+  ///@{
+  std::string begin(const adapt::SpaceView& scene) const;
+  adapt::LayoutChange look(const adapt::SpaceView& scene, std::int64_t broken, std::span<const double> local);
+  ///@}
   /// Another scene stands.
   void leave_scene()
   {
     watch_.reset();
+    space_watch_.reset();
     seen_.leave_scene();
   }
   /// Is the border of patches that stay as they are to be watched still?
@@ -55,7 +62,7 @@ public:
 
 private:
   int quiet_every() const; ///< steps
-  adapt::ConversionRule conversion_rule() const;
+  template <int Dim> adapt::ConversionRule conversion_rule() const;
   adapt::BulkWatch bulk_watch(const adapt::SceneView& scene) const;
   std::vector<adapt::LayoutChange::Cover> converted(const adapt::SceneView& scene, std::span<const double> local);
   std::vector<adapt::Reaches> reaches(const adapt::SceneView& scene, const scene::PatchPlan& plan) const;
@@ -70,6 +77,7 @@ private:
   int expansions_ = 0; // since the last contraction
   bool told_ = false;  // what came to the border
   std::vector<geom::LatticeAnchor> lattices_;
-  std::optional<adapt::BulkWatch> watch_; // of the scene as it stands; none: not looked at yet
+  std::optional<adapt::BulkWatch> watch_;        // of the scene as it stands; none: not looked at yet
+  std::optional<adapt::SpaceWatch> space_watch_; // likewise, in space
 };
 } // namespace pdx::change

@@ -24,6 +24,7 @@ public:
 
   scene::Standing standing() const { return scene_->standing(); }
   adapt::SceneView view() const { return scene_->view(); }
+  const adapt::SpaceView* space() const { return scene_->space(); }
   const scene::PatchPlan& patches() const { return scene_->patches(); }
   std::vector<std::string> warnings() const { return scene_->warnings(); }
   solve::TimeDriver& driver() { return *driver_; }
@@ -44,10 +45,10 @@ public:
     scene::NamedState state;
     pd::Broken broken;
     solve::TimeDriver::Clock clock;
-    std::vector<double> sums;         ///< `Model::rank_sums`
-    std::array<double, 3> momentum{}; ///< where patches move [kg m/s]
-    double angular = 0.0;             ///< likewise, in the plane [kg m^2/s]
-    std::size_t known = 0;            ///< rows that were there before
+    std::vector<double> sums;              ///< `Model::rank_sums`
+    std::array<double, 3> momentum{};      ///< where patches move [kg m/s]
+    Vector<3> angular = Vector<3>::Zero(); ///< likewise [kg m^2/s]
+    std::size_t known = 0;                 ///< rows that were there before
     adapt::Leaving left;
   };
   /// @param change to come; empty: all is built anew as it is   @param cracks as they have been followed

@@ -25,6 +25,8 @@ template <int Dim> struct Body {
   Vector<Dim> node(const Site<Dim>& at) const; ///< place of a node of the grid [m]
   /// Place of a site of a cell. @param site x fastest [m]
   Vector<Dim> place(const Site<Dim>& cell, int site) const;
+  /// Place of a site of the lattice, counted from the corner [m].
+  Vector<Dim> place_of(const Site<Dim>& site) const;
   std::int64_t count() const; ///< of its points
   /// Mean place of its points [m].
   Vector<Dim> centre() const;

@@ -35,7 +35,7 @@ private:
   std::map<std::pair<Index, std::uint64_t>, CellPoints<Dim>> known_;
 };
 
-/// Cells sorted for the kernel: by body and points; full ones in runs along x where their rows allow.
+/// Cells sorted for the kernel: by body and points; full ones in runs where their rows allow.
 template <int Dim> class CellBlocks {
 public:
   struct Block {

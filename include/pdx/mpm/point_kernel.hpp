@@ -8,13 +8,29 @@
 /// Forces of cells on the corners of their grid by quadrature over material points, lanes of cells at a time, nothing
 /// stored per point. Rows are local blocks of Dim values.
 namespace pdx::mpm {
-/// Full cells one after the other along x, whose corners are rows in a row: of each of the lines of nodes y, z fastest
-/// y, the row of its first node. All rows may be written.
-template <int Dim> struct CellRun {
-  std::array<Index, kCorners<Dim> / 2> first{};
-  Index cells = 0;
-};
 template <int Dim> using CellRows = std::array<Index, kCorners<Dim>>;
+
+/// Full cells one after the other along x, in space along z, whose corners are rows in a row: of each of the lines of
+/// nodes (in space x fastest, then y) the row of its first node. All rows may be written.
+template <int Dim> struct CellRun {
+  static constexpr std::size_t kLines = kCorners<Dim> / 2;
+  /// Corner of a cell at the lower end of a line; that at its upper end is kStep behind.
+  static constexpr std::size_t corner(std::size_t line) { return Dim == 2 ? 2 * line : line; }
+  static constexpr std::size_t kStep = Dim == 2 ? 1 : kLines;
+
+  std::array<Index, kLines> first{};
+  Index cells = 0;
+
+  CellRows<Dim> rows(Index cell) const
+  {
+    CellRows<Dim> all{};
+    for (std::size_t line = 0; line < kLines; ++line) {
+      all[corner(line)] = first[line] + cell;
+      all[corner(line) + kStep] = first[line] + cell + 1;
+    }
+    return all;
+  }
+};
 
 /// What a sweep reads and adds to.
 struct NodeFields {

@@ -27,11 +27,15 @@ private:
   void read_line(std::string_view line, const std::string& place);
   void read_words(Words words, const std::string& place);
   void take_option(const std::string& name, Words values, const std::string& place);
+  /// The file that an options file names: seen from here or, if there is none, from where that options file lies or
+  /// from above it, so that scenes of several files run wherever they are called from.
+  std::string found(const std::string& name, const std::string& value) const;
   bool take_flag(const std::string& name, Words values, const std::string& place);
   void take_prefix(const std::string& name, const std::string& value, const std::string& place);
 
   std::vector<GivenOption> options_;
-  std::vector<GivenOption> prefixes_; // open -prefix_push
+  std::vector<GivenOption> prefixes_;              // open -prefix_push
+  std::vector<std::filesystem::path> directories_; // of the files that are being read
   int depth_ = 0, files_ = 0;
   std::size_t bytes_ = 0; // of files so far
 };

@@ -6,6 +6,7 @@
 #include "pdx/geom/same_lattice.hpp"
 #include "pdx/law/elastic.hpp"
 #include "pdx/mesh/build.hpp"
+#include "pdx/mpm/grid_cell.hpp"
 #include "pdx/options/fracture_options.hpp"
 #include "pdx/options/point_options.hpp"
 #include "pdx/options/probe_options.hpp"
@@ -49,9 +50,12 @@ struct BoundaryCondition {
 struct PdOptions {
   bool everywhere = false;           ///< -pd_patches all
   std::vector<geom::Box<2>> patches; ///< [m]
-  std::string cloud;                 ///< file of particles that lie anywhere; they stand alone
-  double horizon = 0.0;              ///< of a cloud [m]
-  std::vector<double> spacing;       ///< one, or one per patch [m]
+  std::vector<geom::Box<3>> boxes;   ///< the same in space, of bodies of material points [m]
+  std::vector<mpm::GridPlace<3>>
+      cells;                   ///< of the grids of these that are particles, once the scene is settled; ascending
+  std::string cloud;           ///< file of particles that lie anywhere; they stand alone
+  double horizon = 0.0;        ///< of a cloud [m]
+  std::vector<double> spacing; ///< one, or one per patch [m]
   std::vector<geom::LatticeAnchor>
       anchors; ///< lattices of the patches that were given, twice or more is once; none: of `patches`
   double horizon_ratio = 4.0;
@@ -62,7 +66,7 @@ struct PdOptions {
   double skip_tolerance = 0.0; ///< explicit: bonds whose displacements do not exceed it are skipped; below 0: none [m]
   bool seeded = false;         ///< -adapt_seed tip: `patches` lie at the tips of cracks, once the scene is settled
   bool to_come = false;        ///< there may be none until bulk is converted
-  bool any() const { return everywhere || !patches.empty() || !cloud.empty() || seeded || to_come; }
+  bool any() const { return everywhere || !patches.empty() || !boxes.empty() || !cloud.empty() || seeded || to_come; }
   bool bordered() const { return any() && !everywhere && cloud.empty(); } ///< do elements lie around patches?
   double spacing_of(std::size_t patch) const { return spacing.size() == 1 ? spacing[0] : spacing[patch]; }
 };
@@ -115,6 +119,8 @@ struct SceneOptions {
     return points.any() && !solid &&
            (pd.any() || mesh.cells[0] > 0 || !mesh.file.empty() || converts() || !time.dynamic());
   }
+  /// Do they in space, where all else is particles on cells of their grids?
+  bool mixed_in_space() const { return points.any() && solid && (pd.any() || converts()); }
   /// May bulk become particles where no patch is?
   bool converts() const { return layout.adapt != Adapt::none && layout.triggers.any(); }
   pd::Kinematics bond_kinematics() const

@@ -35,6 +35,7 @@ public:
   ///@{
   void begin_probes(int step, double time, Vec u);
   void look_at_probes(int step, double time, Vec u, bool all = false);
+  bool probes_due(int step) const { return probes_.due(step, false); } ///< u is asked for only then: rows may be behind
   ///@}
   void write_summary(const char* status);
   void fail(const std::string& why);

@@ -39,4 +39,9 @@ template <int Dim> std::vector<couple::ContactBody> touching_bodies(const PointP
 template <int Dim>
 std::vector<couple::SurfacePoint<Dim>>
 surface_points(const PointPlan<Dim>& plan, std::span<const CellOfBody<Dim>> cells, const mpm::PointTerm<Dim>& term);
+
+/// Adds a particle in the place of a material point, by the same name, if it lies at the surface of its body.
+template <int Dim>
+void add_surface_particle(const PointPlan<Dim>& plan, Index body, const Site<Dim>& site, PetscInt row,
+                          std::vector<couple::SurfacePoint<Dim>>& points);
 } // namespace pdx::scene

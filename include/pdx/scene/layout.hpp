@@ -15,6 +15,8 @@ struct Layout {
   std::vector<crack::Polyline> cracks;
   std::vector<geom::LatticeAnchor> anchors; ///< of the patches that were given: sites are named by them
   std::vector<geom::Box<2>> regions;        ///< around bodies, whose patches stay apart; none: there is one body [m]
+  std::optional<std::vector<mpm::GridPlace<3>>>
+      cells; ///< that are particles, ascending; bodies of points in space only
 
   /// That of the options, settled.
   static Layout given(const options::SceneOptions& options);

@@ -1,30 +1,38 @@
 #pragma once
+#include "pdx/mpm/grid_cell.hpp"
 #include "pdx/mpm/point_term.hpp"
 #include "pdx/scene/model.hpp"
 #include "pdx/scene/point_output.hpp"
 #include "pdx/scene/point_plan.hpp"
 
 namespace pdx::scene {
+/// Particles that have taken cells of bodies of points whole, as one rank sees it.
+template <int Dim> struct TakenCells {
+  std::function<bool(const mpm::GridPlace<Dim>& cell)> has; ///< alike on every rank
+  /// A particle on a site of a body's lattice.
+  struct Particle {
+    Index body;
+    Site<Dim> site;
+  };
+  std::vector<Particle> particles; ///< owned, in order of their rows
+};
+
 /// How the bodies of a plan stand in the rows of a mesh, as one rank sees it.
 template <int Dim> struct PointRows {
-  /// A cell of a body's grid with points in it, and the global rows of its corners, x fastest.
-  struct Cell {
-    Index body = 0;
-    Site<Dim> at{};
-    std::array<PetscInt, (1U << Dim)> rows{};
-  };
-  std::vector<Cell> cells; ///< over local cells of the mesh, those of owned ones first
+  using Cell = mpm::GridCell<Dim>;
+  std::vector<Cell> cells; ///< with points in them, over local cells of the mesh, those of owned ones first
   std::size_t owned = 0;   ///< how many these are
-  /// Of the owned rows.
+  std::vector<mpm::GridPlace<Dim>> nodes; ///< of owned rows, which come first
+  /// Of all owned rows: nodes, then particles.
   ///@{
   std::vector<Index> body;
   std::vector<Vector<Dim>> place; ///< in the reference state [m]
-  std::vector<field::RowName> names;
   ///@}
+  std::vector<field::RowName> names; ///< of nodes
   field::Rows rows;
 
-  /// Collective.
-  PointRows(const PointPlan<Dim>& plan, const mesh::Mesh& mesh);
+  /// Collective. @param taken by particles; null: no cell is
+  PointRows(const PointPlan<Dim>& plan, const mesh::Mesh& mesh, const TakenCells<Dim>* taken = nullptr);
 };
 
 /// What the bodies of a plan share with those that a checkpoint is of.
@@ -36,8 +44,11 @@ void add_point_shares(const PointPlan<Dim>& plan, const mesh::Mesh& mesh, std::v
 
 /// Bodies of material points, in the plane or in space.
 template <int Dim> struct PointBody : Part {
-  PointBody(const PointPlan<Dim>& filled, const mesh::Mesh& background, Model& of)
-      : plan(filled), mesh(background), model(of), grid(filled, background), description(scene::described<Dim>(filled))
+  /// @param taken as for PointRows
+  PointBody(const PointPlan<Dim>& filled, const mesh::Mesh& background, Model& of,
+            const TakenCells<Dim>* taken = nullptr)
+      : plan(filled), mesh(background), model(of), grid(filled, background, taken),
+        description(scene::described<Dim>(filled))
   {}
 
   const PointPlan<Dim>& plan; ///< all three outlive this
@@ -68,6 +79,10 @@ protected:
   virtual field::OutputBlock block(std::span<const double> local, std::span<const double> velocity) const;
 };
 
+/// Adds the Term of the material points of a body's rows to its model. Collective.
+template <int Dim>
+void add_points(const PointPlan<Dim>& plan, const options::PointOptions& options, PointBody<Dim>& body);
+
 /// Rows, Terms and conditions of bodies, ready to be stepped; the one part is a PointBody. Collective. Throws UserError
 /// for conditions that are nowhere.
 /// @param plan, mesh outlive the result
@@ -76,7 +91,14 @@ std::unique_ptr<Model> discretise(const options::SceneOptions& options, const Po
                                   const mesh::Mesh& mesh);
 
 /// Turns the boundary conditions into prescribed components and loads of `body.model`; they act on nodes of the grids
-/// that lie on a side or in a box, which reaches through space, and loads on the points there or all. Collective.
+/// that lie on a side or in a box, which reaches through space, and loads on the points there or all; on particles in
+/// their place, those beside a side or in a box. Collective.
 /// Throws UserError for a place that selects nothing, and for a side that lies within cells.
 template <int Dim> void apply_conditions(const options::SceneOptions& options, PointBody<Dim>& body);
+
+/// Of each body, by number of the cell: has it a node that a condition holds where particles in its place would not be
+/// held as it is: on a side, or at the border of a box? Alike on every rank.
+template <int Dim>
+std::vector<std::vector<std::uint8_t>> side_held_cells(const options::SceneOptions& options,
+                                                       const PointPlan<Dim>& plan);
 } // namespace pdx::scene

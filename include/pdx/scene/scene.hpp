@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/adapt/scene_view.hpp"
+#include "pdx/adapt/space_view.hpp"
 #include "pdx/fem/corner_areas.hpp"
 #include "pdx/scene/layout.hpp"
 #include "pdx/scene/patches.hpp"
@@ -51,6 +52,8 @@ public:
   {
     throw std::logic_error("a scene without patches that move");
   } ///< likewise
+  /// The same of points and particles in space; null where there is no such scene.
+  virtual const adapt::SpaceView* space() const { return nullptr; }
   /// Another layout is about to take the place of this one: from now on, and from the change until `settle`, energies
   /// are those of what it changes, so that their difference is what comes or goes. Both are collective.
   virtual void foresee(const Layout&) {}

@@ -9,14 +9,14 @@ namespace pdx::solve {
 void keep_momentum(const MovingSystem& moving, std::span<const double> is_new, const std::array<double, 3>& wanted,
                    std::vector<double>& v);
 
-/// About the origin of coordinates, of what has moved in the plane, of all ranks [kg m^2/s]. Collective.
-/// @param u, v owned, two components a row [m], [m/s]
-double angular_momentum(const MovingSystem& moving, std::span<const double> u, std::span<const double> v);
+/// About the origin of coordinates, of what has moved, of all ranks; along z alone in the plane [kg m^2/s]. Collective.
+/// @param u, v owned, two or three components a row [m], [m/s]
+Vector<3> angular_momentum(const MovingSystem& moving, std::span<const double> u, std::span<const double> v);
 
 /// Nodes and particles that are new turn about their centre of mass by what is missing of an angular momentum: the
-/// smallest change of velocity, weighed by mass, that keeps momentum and makes no other motion than a turn. In the
-/// plane, where nothing is held; else, and where nothing is new, nothing. Collective.
+/// smallest change of velocity, weighed by mass, that keeps momentum and makes no other motion than a turn. Where
+/// something is held, and where nothing is new, nothing. Collective.
 /// @param wanted as `angular_momentum` of all that was before
-void keep_angular_momentum(const MovingSystem& moving, std::span<const double> is_new, double wanted,
+void keep_angular_momentum(const MovingSystem& moving, std::span<const double> is_new, const Vector<3>& wanted,
                            std::span<const double> u, std::vector<double>& v);
 } // namespace pdx::solve

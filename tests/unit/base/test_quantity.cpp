@@ -25,6 +25,15 @@ TEST(Quantity, IsTheNumberInTheUnitOfSi)
   EXPECT_EQ(value_in("4Hz", "1/s"), 4.0);
 }
 
+TEST(Quantity, MayBeAQuotientOfTwoNumbers)
+{
+  EXPECT_EQ(value_in("1/3", "-"), 1.0 / 3.0);
+  EXPECT_EQ(value_in("-3/4", ""), -0.75);
+  EXPECT_EQ(value_in("1/4mm", "m"), 0.25e-3);
+  EXPECT_EQ(value_in("3/m", "1/m"), 3.0);
+  for (const char* word : {"1/0", "0/0", "1//3", "1/-3", "1/3/2", "1/x"}) EXPECT_FALSE(value_in(word, "-")) << word;
+}
+
 TEST(Quantity, WithoutAUnitIsAsItStands)
 {
   EXPECT_EQ(value_in("0.1", "m"), 0.1);
