@@ -37,7 +37,7 @@ TimeScene::Moment TimeScene::moment(const adapt::LayoutChange& change,
 {
   const scene::Standing standing = scene_->standing();
   couple::BondBreaker* breaker = standing.model->breaker;
-  Moment now{scene::capture(standing, *driver_, cracks),
+  Moment now{scene::capture(standing, *driver_, cracks, change.empty() ? scene::Moves::all : scene::Moves::alone),
              breaker ? breaker->mine() : pd::Broken{},
              driver_->clock(),
              standing.model->rank_sums(),
@@ -48,8 +48,8 @@ TimeScene::Moment TimeScene::moment(const adapt::LayoutChange& change,
   now.known = now.state.rows.size();
   if (change.empty()) return now;
   now.momentum = driver_->moving().momentum(driver_->v());
-  const field::System& system = driver_->moving().system;
-  if (system.rows.dim == 2 && !any_rank(system.rows.comm, !system.prescribed.components.empty()))
+  const field::Rows& rows = driver_->moving().system.rows;
+  if (!any_rank(rows.comm, !driver_->moving().system.prescribed.components.empty())) // else it is not kept
     now.angular = solve::angular_momentum(driver_->moving(), driver_->local(), driver_->v());
   std::vector<double> v;
   driver_->moving().system.halo->fetch(driver_->v(), driver_->moving().system.rows.dim, v);

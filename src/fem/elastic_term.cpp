@@ -86,6 +86,7 @@ void ElasticTerm::bind(const field::RowHalo& halo)
 void ElasticTerm::sort_for_sweeps()
 {
   std::vector<std::vector<ElementSweep::Element>> elements(body_.laws());
+  if (elements.size() == 1) elements[0].reserve(cells_.size());
   for (std::size_t k = 0; k < cells_.size(); ++k)
     elements[body_.number(cells_[k])].push_back({body_.mesh.corners(cells_[k]), rows_of(cells_[k]), counted_[k] != 0});
   sweeps_.clear();

@@ -10,6 +10,13 @@ void System::bind(const std::vector<PetscInt>& also_needed)
   for (const auto& term : terms) term->needed_rows(needed);
   halo = std::make_unique<RowHalo>(rows, std::move(needed));
   for (const auto& term : terms) term->bind(*halo);
+  int ranks = 1;
+  MPI_Comm_size(rows.comm, &ranks);
+  if (ranks == 1) {
+    held.assign(static_cast<std::size_t>(rows.owned() * rows.dim), 0);
+    for (const Index component : prescribed.components) held[static_cast<std::size_t>(component)] = 1;
+    return;
+  }
   std::vector<double> flags(static_cast<std::size_t>(rows.owned() * rows.dim), 0.0), all;
   for (const Index component : prescribed.components) flags[static_cast<std::size_t>(component)] = 1.0;
   halo->fetch(flags, rows.dim, all);

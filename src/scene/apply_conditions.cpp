@@ -53,11 +53,12 @@ private:
       for (Index cell = 0; cell < mesh_.cells() && c.on.empty() && c.box; ++cell)
         if (!std::ranges::all_of(mesh_.corners(cell), [&](const Vector<2>& x) { return inside(c, x); }))
           for (const Index v : mesh_.cell(cell)) outer[static_cast<std::size_t>(v)] = 1;
-      const std::set<Index> rows = rows_of(c, Acts::held);
-      for (std::size_t k = 0; k < d_.nodes.size(); ++k)
+      for (const Index row : rows_of(c, Acts::held)) {
+        const auto k = static_cast<std::size_t>(row);
+        if (k >= d_.nodes.size()) break; // they ascend
         for (std::size_t a = 0; a < 2; ++a)
-          if (outer[static_cast<std::size_t>(d_.nodes[k])] && c.holds(a) && rows.contains(static_cast<Index>(k)))
-            d_.side_held[2 * k + a] = 1;
+          if (outer[static_cast<std::size_t>(d_.nodes[k])] && c.holds(a)) d_.side_held[2 * k + a] = 1;
+      }
     }
   }
 

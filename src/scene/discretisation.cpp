@@ -103,8 +103,8 @@ pd::BondTerm<2>::Parts make_parts(const options::SceneOptions& options, const Pa
       made.parts.push_back(std::move(part));
     } else {
       std::vector<Index> sites;
-      for (const pd::Particle& particle : d.particles)
-        if (particle.patch == static_cast<int>(p)) sites.push_back(particle.site);
+      const auto of = std::ranges::equal_range(d.particles, static_cast<Index>(p), {}, &pd::Particle::patch);
+      for (const pd::Particle& particle : of) sites.push_back(particle.site);
       made.parts.push_back(std::make_unique<pd::LatticePart<2>>(
           d.system.rows, geom::ActiveLattice<2>{plan.shapes[p].lattice, plan.shapes[p].active}, plan.stencils[p],
           std::move(sites), row, std::move(corrected), options.regions));

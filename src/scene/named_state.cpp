@@ -8,6 +8,8 @@
 
 namespace pdx::scene {
 namespace {
+constexpr std::size_t kRoom = 4096; // components
+
 int words_per_particle(const Model& model)
 {
   int width = 0;
@@ -89,12 +91,19 @@ NamedState what_is_owned(const Standing& scene, const SceneNames& names)
 
 NamedState capture(const Standing& scene) { return what_is_owned(scene, SceneNames(scene)); }
 
-NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks)
+NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks,
+                   Moves moves)
 {
   const SceneNames names(scene);
   NamedState state = what_is_owned(scene, names);
   state.in_time = true;
-  state.moving = driver.state();
+  if (moves == Moves::all)
+    state.moving = driver.state();
+  else
+    for (const auto& [from, to] : {std::pair{driver.u(), &state.moving.u}, std::pair{driver.v(), &state.moving.v}}) {
+      to->reserve(from.size() + kRoom); // for rows to come
+      to->assign(from.begin(), from.end());
+    }
   if (scene.model->touching) state.grips = scene.model->touching->grips();
   if (cracks) state.cracks = named(*cracks, names);
   return state;
@@ -112,7 +121,8 @@ void add_rows(NamedState& state, const adapt::FreshRows& fresh)
   };
   append(state.moving.u, 0);
   append(state.moving.v, 1);
-  for (std::vector<double>* later : {&state.moving.a, &state.moving.held}) later->resize(state.moving.u.size(), 0.0);
+  for (std::vector<double>* later : {&state.moving.a, &state.moving.held})
+    if (!later->empty()) later->resize(state.moving.u.size(), 0.0);
 }
 
 namespace {
@@ -218,8 +228,11 @@ void StateMove::hold_grips() const
 field::State StateMove::moving() const
 {
   const field::State& from = state_.moving;
-  field::State to{
-      rows(from.u, state_.dim), rows(from.v, state_.dim), rows(from.a, state_.dim), rows(from.held, state_.dim), {}};
+  field::State to{rows(from.u, state_.dim), rows(from.v, state_.dim), {}, {}, {}};
+  if (!changed_) {
+    to.a = rows(from.a, state_.dim);
+    to.held = rows(from.held, state_.dim);
+  }
   if (const auto& steps = scene_.model->system.steps) to.inner = rows(from.inner, steps->width());
   return to;
 }

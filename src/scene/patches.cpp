@@ -118,12 +118,22 @@ std::vector<couple::PatchShape> patch_shapes(const options::SceneOptions& option
   return std::move(plan.shapes);
 }
 
-PatchPlan plan_patches(const options::SceneOptions& options, mesh::MeshOptions& mesh)
+PatchPlan plan_patches(const options::SceneOptions& options, mesh::MeshOptions& mesh, const PatchPlan* known)
 {
   PatchPlan plan;
   lay_shapes(options, mesh, plan);
+  const auto take_of = [&plan](const PatchPlan& other, double dx) {
+    const auto found = std::ranges::find(other.stencils, dx, &pd::Stencil<2>::dx) - other.stencils.begin();
+    if (found == std::ssize(other.stencils)) return false;
+    const auto sides = other.sides[static_cast<std::size_t>(found)];
+    const pd::Stencil<2> stencil = other.stencils[static_cast<std::size_t>(found)];
+    plan.stencils.push_back(stencil);
+    plan.sides.push_back(sides);
+    return true;
+  };
   for (const couple::PatchShape& shape : plan.shapes) {
     const double dx = shape.lattice.dx;
+    if ((known && take_of(*known, dx)) || take_of(plan, dx)) continue;
     try {
       plan.stencils.push_back(pd::make_stencil<2>({dx, options.elastic.thickness, options.pd.horizon_ratio * dx,
                                                    options.pd.micromodulus, options.pd.calibration, options.elastic}));

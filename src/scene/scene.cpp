@@ -44,9 +44,9 @@ mesh::Mesh cut_mesh(MPI_Comm comm, const mesh::MeshOptions& options, const mesh:
 }
 
 /// Refuses what cannot be before a mesh is paid for.
-PatchPlan judged_plan(const options::SceneOptions& options, mesh::MeshOptions& mesh)
+PatchPlan judged_plan(const options::SceneOptions& options, mesh::MeshOptions& mesh, const PatchPlan* known = nullptr)
 {
-  PatchPlan plan = plan_patches(options, mesh);
+  PatchPlan plan = plan_patches(options, mesh, known);
   if (options.pd.everywhere) require_rows(options, plan.shapes[0].lattice.count);
   return plan;
 }
@@ -73,7 +73,7 @@ void Ground::lay_again(options::SceneOptions given, Kept* kept)
 {
   options = std::move(given);
   mesh_options = options.mesh;
-  plan = judged_plan(options, mesh_options);
+  plan = judged_plan(options, mesh_options, &plan);
   if (kept) kept->match(plan);
   mesh.uncover();
   lay_particles(kept);
@@ -149,8 +149,12 @@ private:
   double rigorous_limit()
   {
     const field::System& system = d_->system;
-    const std::vector<double> squares = solve::row_limits(system);
     least_.resize(ground_.plan.shapes.size(), kUnknown);
+    std::vector<std::array<Index, 2>> known;
+    for (std::size_t p = 0; p < least_.size(); ++p)
+      if (const pd::LatticePart<2>& part = *d_->bonds->parts()[p]; least_[p] != kUnknown)
+        known.push_back({part.first_row(), part.first_row() + static_cast<Index>(part.sites().size())});
+    const std::vector<double> squares = solve::row_limits(system, known);
     auto next = squares.begin() + system.rows.first_particle();
     double least = std::numeric_limits<double>::infinity();
     const auto take = [&least](auto begin, auto end) {

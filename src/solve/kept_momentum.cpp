@@ -15,15 +15,26 @@ void keep_momentum(const MovingSystem& moving, std::span<const double> is_new, c
 {
   const field::Rows& rows = moving.system.rows;
   const auto dim = static_cast<std::size_t>(rows.dim);
-  std::vector<double> more(v.size(), 0.0); // as one velocity
+  std::vector<std::size_t> more; // rows that may take it, as one velocity
   for (std::size_t row = 0; row < is_new.size(); ++row)
-    if (static_cast<Index>(row) < rows.nodes || static_cast<Index>(row) >= rows.first_particle())
-      std::fill_n(more.begin() + static_cast<std::ptrdiff_t>(row * dim), dim, is_new[row]);
-  const std::array<double, 3> mass = moving.momentum(more), now = moving.momentum(v);
+    if (is_new[row] != 0.0 &&
+        (static_cast<Index>(row) < rows.nodes || static_cast<Index>(row) >= rows.first_particle()))
+      more.push_back(row);
+  std::array<double, 3> mass{};
+  if (any_rank(rows.comm, !moving.ties().empty())) {
+    std::vector<double> all(v.size(), 0.0);
+    for (const std::size_t row : more)
+      std::fill_n(all.begin() + static_cast<std::ptrdiff_t>(row * dim), dim, is_new[row]);
+    mass = moving.momentum(all);
+  } else {
+    for (const std::size_t row : more)
+      for (std::size_t d = 0; d < dim; ++d) mass[d] += moving.mass[row] * is_new[row];
+    MPI_Allreduce(MPI_IN_PLACE, mass.data(), 3, MPI_DOUBLE, MPI_SUM, rows.comm);
+  }
+  const std::array<double, 3> now = moving.momentum(v);
   if (mass[0] <= 0.0) return;
-  for (std::size_t row = 0; row < is_new.size(); ++row)
-    for (std::size_t d = 0; d < dim && is_new[row] != 0.0; ++d)
-      v[row * dim + d] += more[row * dim + d] * (wanted[d] - now[d]) / mass[d];
+  for (const std::size_t row : more)
+    for (std::size_t d = 0; d < dim; ++d) v[row * dim + d] += is_new[row] * (wanted[d] - now[d]) / mass[d];
 }
 
 namespace {

@@ -161,9 +161,11 @@ void MovingSystem::resume(double time, double work, const Damped& damped, std::s
   work_ = work;
   damped_ = damped;
   const auto& held = system.prescribed.components;
-  for (std::size_t k = 0; k < held.size(); ++k) held_[k] = held_force[static_cast<std::size_t>(held[k])];
-  for (std::size_t k = 0; k < rolled_.size(); ++k)
-    rolled_[k] = system.rollers[k].part(system.rows.dim, held_force.data());
+  if (!held_force.empty()) {
+    for (std::size_t k = 0; k < held.size(); ++k) held_[k] = held_force[static_cast<std::size_t>(held[k])];
+    for (std::size_t k = 0; k < rolled_.size(); ++k)
+      rolled_[k] = system.rollers[k].part(system.rows.dim, held_force.data());
+  }
   load_at(time);
   for (field::Support* support : system.supports) support->go_to_time(time);
 }

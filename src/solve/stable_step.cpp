@@ -61,17 +61,26 @@ struct Bounds {
   double step(std::size_t row) const { return 2.0 * std::sqrt(square(row)); }
 };
 
-Bounds bounds_of(const field::System& system)
+/// @param known rows left at a stiffness of 0
+Bounds bounds_of(const field::System& system, std::span<const std::array<Index, 2>> known = {})
 {
   const auto owned = static_cast<std::size_t>(system.rows.owned()), dim = static_cast<std::size_t>(system.rows.dim);
   std::vector<double> blocks(owned * dim * dim, 0.0);
   for (const auto& term : system.terms) term->add_stiffness_bound(blocks);
   const std::vector<std::uint8_t> held = tied_held(system);
   Bounds bounds{lumped_mass(system), std::vector<double>(owned)};
-  if (dim == 2)
-    largest_of_rows<2>(blocks, held, bounds.stiffness);
-  else
-    largest_of_rows<3>(blocks, held, bounds.stiffness);
+  const auto take = [&](std::size_t first, std::size_t end) {
+    const std::span<const double> part = std::span(blocks).subspan(first * dim * dim, (end - first) * dim * dim);
+    const std::span<const std::uint8_t> fixed = std::span(held).subspan(first * dim, (end - first) * dim);
+    const std::span<double> stiffness = std::span(bounds.stiffness).subspan(first, end - first);
+    dim == 2 ? largest_of_rows<2>(part, fixed, stiffness) : largest_of_rows<3>(part, fixed, stiffness);
+  };
+  std::size_t next = 0;
+  for (const auto& [first, end] : known) {
+    take(next, static_cast<std::size_t>(first));
+    next = static_cast<std::size_t>(end);
+  }
+  take(next, owned);
   return bounds;
 }
 
@@ -105,9 +114,9 @@ std::vector<field::Tie> ties_of(const field::System& system)
   return ties;
 }
 
-std::vector<double> row_limits(const field::System& system)
+std::vector<double> row_limits(const field::System& system, std::span<const std::array<Index, 2>> known)
 {
-  const Bounds bounds = bounds_of(system);
+  const Bounds bounds = bounds_of(system, known);
   std::vector<double> limits(bounds.mass.size());
   for (std::size_t row = 0; row < limits.size(); ++row) limits[row] = bounds.square(row);
   return limits;

@@ -179,13 +179,13 @@ field::State TimeDriver::state() const
   return now;
 }
 
-void TimeDriver::set_state(const Clock& clock, const field::State& state)
+void TimeDriver::set_state(const Clock& clock, const field::State& state, bool forces)
 {
   if (moving_.system.steps) moving_.system.steps->resume(clock.time, state.inner, clock.work);
   behind_ = 0.0;
   std::ranges::copy(state.u, moving_.u.begin());
   std::ranges::copy(state.v, moving_.v.begin());
-  set_acceleration(clock.origin, state.a);
+  if (forces) set_acceleration(clock.origin, state.a);
   PDX_CALL(TSSetTime(ts_.get(), clock.time));
   PDX_CALL(TSSetStepNumber(ts_.get(), clock.step));
   if (clock.length > 0.0) set_step(clock.length);
@@ -215,7 +215,7 @@ void TimeDriver::resume(const Clock& clock, const field::State& state)
 void TimeDriver::resume_changed(const Clock& clock, const field::State& state)
 {
   good_.clock = clock;
-  set_state(clock, state);
+  set_state(clock, state, false);
   set_step(fitting_step(clock.length));
   std::vector<double> a(moving_.owned(), 0.0);
   start(clock.time, a);

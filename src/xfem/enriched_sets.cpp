@@ -11,6 +11,7 @@
 namespace pdx::xfem {
 namespace {
 constexpr double kTolerance = 1e-9;                 // of the smallest edge
+constexpr double kFar = 1e-2;                       // of the mesh: what a crack goes on for at its ends, and more
 constexpr double kOnEdge = 2e-11, kNearEdge = 1e-6; // of the diagonal of an element: between them is near an edge
 
 double smallest_edge(const mesh::Mesh& mesh)
@@ -62,38 +63,79 @@ void add_tips_in(const fem::Corners& cell, double margin, int crack, std::span<c
 }
 
 /// Adds the ends of a crack on others that lie in a cell which it comes into.
+/// @param distance of the cell's corners from the crack
 void add_ends_in(const mesh::Mesh& mesh, const crack::CutCell& cell, double margin, int crack,
-                 const crack::CrackSet& cracks, std::span<const double> distance, std::vector<EndCut>& found)
+                 const crack::CrackSet& cracks, const std::array<double, 4>& distance, std::vector<EndCut>& found)
 {
   for (std::size_t k = 0; k < cracks.junctions().size(); ++k) {
     const crack::Junction& junction = cracks.junctions()[k];
     if (junction.crack != crack || !holds(mesh.corners(cell.cell), junction.at, margin)) continue;
     EndCut end{k, {cell.cell, crack, {}, std::nullopt, -1, junction.other, junction.at}};
     for (std::size_t a = 0; a < 4; ++a) {
-      end.cut.distance[a] = distance[static_cast<std::size_t>(mesh.cell(cell.cell)[a])];
+      end.cut.distance[a] = distance[a];
       if (cell.edges >> a & 1u) end.cut.entry = static_cast<int>(a);
     }
     found.push_back(end);
   }
 }
 
+/// The cells that may lie at a crack, and their vertices: a small mesh of its own.
+struct CellsAtCrack {
+  std::vector<Index> cells;                  ///< of the mesh, ascending
+  std::vector<std::array<Index, 4>> corners; ///< of each, among `points`
+  std::vector<Vector<2>> points;
+
+  CellsAtCrack(const mesh::Mesh& mesh, const crack::Polyline& crack)
+  {
+    const double margin = kFar * mesh.bounds().size().norm();
+    geom::Box<2> box{crack.front(), crack.front()};
+    for (const Vector<2>& x : crack) box = {box.lower.cwiseMin(x), box.upper.cwiseMax(x)};
+    std::vector<std::uint8_t> beyond; // per vertex, a bit for each side of the box that it is beyond
+    beyond.reserve(mesh.points().size());
+    for (const Vector<2>& x : mesh.points())
+      beyond.push_back(
+          static_cast<std::uint8_t>(int{x[0] < box.lower[0] - margin} | int{x[0] > box.upper[0] + margin} << 1 |
+                                    int{x[1] < box.lower[1] - margin} << 2 | int{x[1] > box.upper[1] + margin} << 3));
+    std::vector<Index> number(mesh.points().size(), -1);
+    for (Index c = 0; c < mesh.cells(); ++c) {
+      const auto& cell = mesh.cell(c);
+      const auto at = [&](std::size_t a) { return beyond[static_cast<std::size_t>(cell[a])]; };
+      if (at(0) & at(1) & at(2) & at(3)) continue; // all of it is
+      cells.push_back(c);
+      auto& own = corners.emplace_back();
+      for (std::size_t a = 0; a < 4; ++a) {
+        Index& k = number[static_cast<std::size_t>(cell[a])];
+        if (k < 0) {
+          k = static_cast<Index>(points.size());
+          points.push_back(mesh.point(cell[a]));
+        }
+        own[a] = k;
+      }
+    }
+  }
+};
+
 Found find_everything(const mesh::Mesh& mesh, const crack::CrackSet& cracks, double tolerance)
 {
   Found found;
   for (int crack = 0; crack < cracks.size(); ++crack) {
-    const crack::Cuts cuts = crack::find_cuts(cracks, crack, {mesh.points(), mesh.all_cells()}, tolerance);
-    for (const crack::CutCell& cut : cuts.cells) {
+    const CellsAtCrack near(mesh, cracks.points(crack));
+    const crack::Cuts cuts = crack::find_cuts(cracks, crack, {near.points, near.corners}, tolerance);
+    for (const crack::CutCell& nearby : cuts.cells) {
+      const crack::CutCell cut{near.cells[static_cast<std::size_t>(nearby.cell)], nearby.kind, nearby.edges};
+      std::array<double, 4> distance{}; // of its corners
+      for (std::size_t a = 0; a < 4; ++a)
+        distance[a] = cuts.distance[static_cast<std::size_t>(near.corners[static_cast<std::size_t>(nearby.cell)][a])];
       if (mesh.use(cut.cell) == mesh::Use::covered || mesh.use(cut.cell) == mesh::Use::points) continue;
       if (cut.kind == crack::CellKind::through) {
         CellCut& kept = found.cuts.emplace_back(CellCut{cut.cell, crack, {}});
-        for (std::size_t a = 0; a < 4; ++a)
-          kept.distance[a] = cuts.distance[static_cast<std::size_t>(mesh.cell(cut.cell)[a])];
+        kept.distance = distance;
         continue;
       }
       // A tip just before an edge lies in the next cell: within the tolerance, and its rounding.
       if (cut.cell < mesh.owned_cells())
         add_tips_in(mesh.corners(cut.cell), 2.0 * tolerance, crack, cracks.tips(), found.tips);
-      add_ends_in(mesh, cut, tolerance, crack, cracks, cuts.distance, found.ends);
+      add_ends_in(mesh, cut, tolerance, crack, cracks, distance, found.ends);
     }
   }
   std::ranges::stable_sort(found.cuts, {}, &CellCut::cell);

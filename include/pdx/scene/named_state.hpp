@@ -36,8 +36,14 @@ struct NamedState {
 
 /// What a scene owns, without what moves. Collective.
 NamedState capture(const Standing& scene);
+/// What is known of a scene in time.
+enum class Moves {
+  all,   ///< acceleration and forces that hold too
+  alone, ///< displacement and velocity: from these a changed layout works out the rest
+};
 /// The same of a scene in time. Collective.
-NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks);
+NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks,
+                   Moves moves = Moves::all);
 
 /// Adds rows that the next layout will have to what a scene in the plane owns.
 /// @param fresh displacement, velocity; nodes or particles, of which nothing is broken

@@ -27,7 +27,8 @@ std::vector<couple::PatchShape> patch_shapes(const options::SceneOptions& option
 
 /// Lays out the patches before the mesh is built; completes the mesh options of peridynamics-only scenes (background
 /// cells of about 4 dx around body and layers). Throws UserError for a spacing that does not fit, naming one that does.
-PatchPlan plan_patches(const options::SceneOptions& options, mesh::MeshOptions& mesh);
+/// @param known of another layout of the same scene, whose stencils are taken where spacings are the same; or null
+PatchPlan plan_patches(const options::SceneOptions& options, mesh::MeshOptions& mesh, const PatchPlan* known = nullptr);
 
 /// Cost of a cell in the static solver: every cell carries the coarse level, plain ones elements, covered ones their
 /// particles.

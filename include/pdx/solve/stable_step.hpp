@@ -13,7 +13,8 @@ struct StableStep {
 
 /// (step / 2)^2 of each owned row, which no frequency that it alone bounds would exceed; infinite where nothing is
 /// stiff, 0 where there is no mass [s^2].
-std::vector<double> row_limits(const field::System& system);
+/// @param known local rows of which nothing is asked, [first, end) each, ascending: theirs are infinite
+std::vector<double> row_limits(const field::System& system, std::span<const std::array<Index, 2>> known = {});
 
 /// The lumped mass of the owned rows, all Terms [kg].
 std::vector<double> lumped_mass(const field::System& system);

@@ -98,7 +98,8 @@ private:
   void keep();
   const MovingSystem& caught_up() const { return catch_up(), moving_; }
   void copy_state(field::State& to) const;
-  void set_state(const Clock& clock, const field::State& state);
+  /// @param forces does the state have accelerations, and the forces that hold?
+  void set_state(const Clock& clock, const field::State& state, bool forces = true);
 
   double energy_bound_ = 0.0, start_bound_ = 0.0;
   mutable double behind_ = 0.0;       // [s]
