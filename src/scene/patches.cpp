@@ -169,10 +169,15 @@ public:
   {
     for (Index c = 0; c < mesh.owned_cells(); ++c)
       for (std::size_t b = 0; b < boxes_.size(); ++b) {
-        if (!boxes_[b].contains(mesh.centroid(c))) continue;
-        area_[b] += area_of(mesh.corners(c));
-        for (const Vector<2>& x : mesh.corners(c))
-          if (!boxes_[b].contains(x, near_)) cut_[b] = 1.0;
+        const auto corners = mesh.corners(c);
+        Vector<2> lower = corners[0], upper = corners[0];
+        for (const Vector<2>& x : corners) lower = lower.cwiseMin(x), upper = upper.cwiseMax(x);
+        const Vector<2> shared = upper.cwiseMin(boxes_[b].upper) - lower.cwiseMax(boxes_[b].lower);
+        if (shared.minCoeff() <= near_) continue;
+        if (boxes_[b].contains(lower, near_) && boxes_[b].contains(upper, near_))
+          area_[b] += area_of(corners);
+        else
+          cut_[b] = 1.0; // whichever side of the box its middle is on
       }
     MPI_Allreduce(MPI_IN_PLACE, area_.data(), static_cast<int>(area_.size()), MPI_DOUBLE, MPI_SUM, mesh.comm());
     MPI_Allreduce(MPI_IN_PLACE, cut_.data(), static_cast<int>(cut_.size()), MPI_DOUBLE, MPI_MAX, mesh.comm());
