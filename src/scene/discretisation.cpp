@@ -100,6 +100,7 @@ std::vector<std::unique_ptr<pd::LatticePart<2>>> make_parts(const options::Scene
         d.system.rows, geom::ActiveLattice<2>{plan.shapes[p].lattice, plan.shapes[p].active}, plan.stencils[p],
         std::move(sites), first, in_regions(options, plan.stencils[p], correction(options, plan, d, p)),
         options.regions));
+    parts.back()->scatter(options.fracture.scatter, plan.shapes[p].names.first);
   }
   return parts;
 }
