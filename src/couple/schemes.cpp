@@ -175,7 +175,7 @@ private:
           draft.other_row = other_row < 0 ? -1 : rows_.first + other_row;
           draft.kappa *= 0.5;
           draft.energy_share *= 2.0;
-          judge(draft, ends, x, draft.xi, {x, lattice.point(other)});
+          judge(draft, ends, x, draft.xi, {site, other});
           keep(draft, ends);
           continue;
         }
@@ -184,7 +184,7 @@ private:
         if (row < 0 && !mine(ends.b) && !mine(ends.force_b)) continue;
         if (edge && edge->side >= 0)
           draft.leaves = around_.leaving(edge->side, site, {sign * leave * arm.step[0], sign * leave * arm.step[1]});
-        judge(draft, ends, x, draft.xi, {x, lattice.point(other)});
+        judge(draft, ends, x, draft.xi, {site, other});
         if (draft.cut) draft.handed = 0.0;
         keep(draft, ends);
       }
@@ -246,13 +246,13 @@ private:
     if (!mine(ends.force_a) && !mine(ends.force_b) && !mine(ends.a)) return; // rows of `a` count the energy
     draft.xi = energy ? Vector<2>(2.0 * half) : arm.xi;
     draft.from = energy ? begin : x;
-    judge(draft, ends, energy ? begin : x, draft.xi, {x, part_.lattice().point(other)});
+    judge(draft, ends, energy ? begin : x, draft.xi, {site, other});
     keep(draft, ends);
   }
 
   /// Is the part of the bond that acts cut by a crack, and may it break?
   void judge(Draft& draft, const Ends& ends, const Vector<2>& begin, const Vector<2>& acts,
-             const std::array<Vector<2>, 2>& sites) const
+             const std::array<Site<2>, 2>& sites) const
   {
     for (const Host* host : {ends.a, ends.b, ends.force_a, ends.force_b})
       draft.cut = draft.cut || (host && host->across);
@@ -262,8 +262,9 @@ private:
     for (const crack::CrackSet* cracks : {options_.cracks, options_.seams})
       draft.cut = draft.cut || (cracks && cracks->cuts(from, to));
     for (const geom::Box<2>& box : options_.no_fail)
-      for (const Vector<2>& end : sites) draft.no_fail = draft.no_fail || box.contains(end);
+      for (const Site<2>& end : sites) draft.no_fail = draft.no_fail || box.contains(part_.lattice().point(end));
     if (options_.regions) judge_material(draft, begin, acts);
+    draft.stretch *= 1.0 + (part_.share(sites[0]) + part_.share(sites[1]));
   }
 
   /// A bond is made of what its acting part lies in: where a material ends with its patch, either side keeps its own.

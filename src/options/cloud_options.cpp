@@ -6,10 +6,10 @@ namespace pdx::options {
 namespace {
 /// Options that are of elements, lattices or equilibria.
 constexpr const char* kStrange[] = {
-    "-mesh_file",        "-mesh_lower",        "-mesh_upper",      "-mesh_cells",    "-pd_patches",
-    "-pd_spacing",       "-pd_horizon_ratio",  "-pd_operator",     "-couple_scheme", "-xfem_quadrature",
-    "-xfem_least_share", "-pd_skip_tolerance", "-post_j_contours", "-post_j_domain", "-post_energy_release",
-    "-post_tip_damage",  "-post_modes",        "-couple_face_mass"};
+    "-mesh_file",        "-mesh_lower",        "-mesh_upper",       "-mesh_cells",    "-pd_patches",
+    "-pd_spacing",       "-pd_horizon_ratio",  "-pd_operator",      "-couple_scheme", "-xfem_quadrature",
+    "-xfem_least_share", "-pd_skip_tolerance", "-post_j_contours",  "-post_j_domain", "-post_energy_release",
+    "-post_tip_damage",  "-post_modes",        "-couple_face_mass", "-pd_scatter",    "-pd_scatter_seed"};
 
 void judge_cloud_condition(const BoundaryCondition& c)
 {

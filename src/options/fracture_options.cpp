@@ -105,6 +105,13 @@ FractureOptions FractureOptions::read(std::optional<double> usual)
       o.choice("-pd_release", 0, releases, "which overstretched bonds break before the next solve"));
   f.release_share = o.real("-pd_release_share", f.release_share, "-",
                            "worst: part of the overstretched bonds that breaks in a pass", {0.0, 1.0, true});
+  f.scatter.width =
+      o.real("-pd_scatter", 0.0, "-",
+             "stretches at which bonds break vary by place, up to this part of them up and down", {0.0, 0.9});
+  f.scatter.seed = static_cast<std::uint64_t>(
+      o.integer("-pd_scatter_seed", static_cast<int>(f.scatter.seed), "another draw of -pd_scatter", {0.0, 1e9}));
+  if (o.given("-pd_scatter_seed") && !f.scatter.any())
+    throw UserError("-pd_scatter_seed draws stretches that do not vary: give -pd_scatter, or drop it");
   if (f.toughness && f.critical_stretch)
     throw UserError("-material_toughness and -pd_critical_stretch say the same: give one of them");
   return f;

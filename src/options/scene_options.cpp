@@ -202,6 +202,8 @@ void judge(const SceneOptions& s)
         "-post_reference_fe cannot stand beside -bc_..._layer: the reference has no material outside the body");
   if (s.fracture.active() && !s.pd.any())
     throw UserError("-material_toughness breaks bonds, but there are no particles: give -pd_patches");
+  if (s.fracture.scatter.any() && !s.fracture.active())
+    throw UserError("-pd_scatter spreads the stretch at which bonds break, and none breaks: give -material_toughness");
   if (!s.post.j_contours.empty() && !s.pd.any())
     throw UserError("-post_j_contours lie in a patch, but there is none: give -post_j_domain for elements");
   if (s.post.any_j() && s.cracks.lines.empty() && !s.post.j_centre)

@@ -58,7 +58,7 @@ private:
   /// The least s0 that any bond has.
   PDX_INLINE double least_stretch() const
   {
-    return rule.regions ? rule.critical_stretch * rule.regions->least_stretch() : rule.critical_stretch;
+    return rule.critical_stretch * rule.least_share * (rule.regions ? rule.regions->least_stretch() : 1.0);
   }
 
   template <int W> PDX_INLINE Lanes<W> growth_of(std::size_t h, std::ptrdiff_t i, std::ptrdiff_t count) const
@@ -88,11 +88,13 @@ private:
       return growth > limit(span.h, s0);
     }
   }
-  /// Is growth too much for this very bond, where materials differ?
+  /// Is growth too much for this very bond, where they differ?
   PDX_INLINE bool is_over(std::size_t h, std::ptrdiff_t i, double growth) const
   {
     const std::ptrdiff_t j = i + view.arms[h].jump;
-    const double s0 = rule.critical_stretch * rule.regions->stretch(rule.region[i], rule.region[j]);
+    double s0 = rule.critical_stretch;
+    if (rule.regions) s0 *= rule.regions->stretch(rule.region[i], rule.region[j]);
+    if (rule.shares) s0 *= 1.0 + (rule.shares[i] + rule.shares[j]);
     return growth > limit(h, swells ? s0 + (view.swelling[i] + view.swelling[j]) : s0);
   }
 
@@ -107,7 +109,7 @@ private:
       for (std::ptrdiff_t i = first; i < std::min<std::ptrdiff_t>(first + W, end); ++i) {
         if (!gone[i - first] || !(plane[i] & bit)) continue;
         if (rule.no_fail && (rule.no_fail[i] || rule.no_fail[i + jump])) continue;
-        if (rule.regions && !is_over(span.h, i, growth[i - first])) continue;
+        if ((rule.regions || rule.shares) && !is_over(span.h, i, growth[i - first])) continue;
         plane[i] &= ~bit;
         ++broken;
       }

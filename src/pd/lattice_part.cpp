@@ -89,11 +89,33 @@ template <int Dim> double LatticePart<Dim>::density(Index k) const
   return own.density * (Dim == 2 ? own.thickness / stencil_.thickness : 1.0);
 }
 
+template <int Dim> double LatticePart<Dim>::share(const Site<Dim>& site) const
+{
+  if (!spread_.any()) return 0.0;
+  std::array<std::int64_t, Dim> number;
+  for (std::size_t d = 0; d < Dim; ++d) number[d] = site[d] + (d < 2 ? first_[d] : 0);
+  return spread_.share(number);
+}
+
+template <int Dim> void LatticePart<Dim>::scatter(const law::Scatter& scatter, const std::array<std::int64_t, 2>& first)
+{
+  spread_ = scatter;
+  first_ = first;
+  scatter_.clear();
+  if (!scatter.any()) return;
+  scatter_.assign(static_cast<std::size_t>(window_size_), 0.0);
+  Site<Dim> site = lower_;
+  for (std::ptrdiff_t k = 0; k + kWindowPadding < window_size_; ++k, go_on(site, 1))
+    scatter_[static_cast<std::size_t>(k)] = share(site);
+}
+
 /// A rule with what only this part knows.
 template <int Dim> BreakRule LatticePart<Dim>::completed(BreakRule rule) const
 {
   rule.no_fail = no_fail_.empty() ? nullptr : no_fail_.data();
-  if (!stretches_vary()) return rule;
+  rule.shares = scatter_.empty() ? nullptr : scatter_.data();
+  rule.least_share = spread_.least();
+  if (!has_stretches_by_region()) return rule;
   rule.regions = regions_.get();
   rule.region = region_.data();
   return rule;

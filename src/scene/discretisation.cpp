@@ -108,6 +108,7 @@ pd::BondTerm<2>::Parts make_parts(const options::SceneOptions& options, const Pa
       made.parts.push_back(std::make_unique<pd::LatticePart<2>>(
           d.system.rows, geom::ActiveLattice<2>{plan.shapes[p].lattice, plan.shapes[p].active}, plan.stencils[p],
           std::move(sites), row, std::move(corrected), options.regions));
+      made.parts.back()->scatter(options.fracture.scatter, plan.shapes[p].names.first);
     }
     row += static_cast<Index>(made.parts.back()->sites().size());
   }

@@ -78,6 +78,7 @@ pd::BondTerm<3>& add_bonds(const options::SceneOptions& options, const SolidPlan
   parts.push_back(std::make_unique<pd::LatticePart<3>>(solid.system.rows, plan.lattice, plan.stencil, std::move(sites),
                                                        0, in_regions<3>(options, plan.stencil, std::move(correction)),
                                                        options.regions));
+  parts.back()->scatter(options.fracture.scatter, {0, 0});
   auto owned = std::make_unique<pd::BondTerm<3>>(std::move(parts), options.bond_kinematics(), false);
   pd::BondTerm<3>& bonds = *owned;
   solid.system.terms.push_back(std::move(owned));

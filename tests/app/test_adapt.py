@@ -128,11 +128,16 @@ class Adapt(program.ProgramTest):
     def test_ranks_break_the_same_bonds_in_patches_that_go_along(self):
         self.break_the_same_bonds(SNAIL)
 
+    def test_ranks_break_the_same_bonds_where_strength_varies(self):
+        """Within the patch and beyond its border, wherever that has come to."""
+        self.break_the_same_bonds(SNAIL | {"-pd_scatter": "0.1", "-ts_max_steps": "450"}, "450")
+
     def test_ranks_break_the_same_bonds(self):
         self.break_the_same_bonds(PLATE)
 
-    def break_the_same_bonds(self, options):
-        runs = [self.shared(options | END, ranks) for ranks in (1, 2, 3)]
+    def break_the_same_bonds(self, options, end=END["-checkpoint_interval"]):
+        runs = [self.shared(options | {"-checkpoint_interval": end}, ranks) for ranks in (1, 2, 3)]
+        self.assertGreater(runs[0].summary["relocations"], 1)
         tables = [checkpoint(run.directory)[0] for run in runs]
         for run, other in zip(runs[1:], tables[1:]):
             self.assertEqual(run.summary["relocations"], runs[0].summary["relocations"])

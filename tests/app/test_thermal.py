@@ -170,6 +170,25 @@ class Thermal(program.ProgramTest):
             free = self.solve(PLATE | how | {"-crack_names": None, "-crack_a_points": None})
             self.assertEqual(free.summary["bonds_broken"], 0)
 
+    def test_stretches_that_vary_by_place(self):
+        """Where nothing moves all bonds bear the same stretch s, and with it those break whose own is below: of factors
+        1 + w (z_i + z_j) / 2 with even z those below 1 - w q are (1 - q)^2 / 2, for q above 0."""
+        sheet = HOT | {
+            "-mesh_lower": "0,0", "-mesh_upper": "0.06,0.06", "-pd_patches": "all", "-pd_spacing": "0.001", "-pd_horizon_ratio": "3.015",
+            "-bc_names": "all", "-bc_all_on": "left", "-bc_all_rows": "60", "-bc_all_displacement": "0,0", "-load_broken_share": "1"}  # fmt: skip
+        broken = {}
+        for width, q, seed in ((0.3, 0.4, 1), (0.3, 0.4, 2), (0.1, 0.4, 1), (0.3, 0.0, 1)):
+            critical = ALPHA * -DEGREES / (1.0 - width * q)
+            how = {"-pd_scatter": str(width), "-pd_scatter_seed": str(seed), "-pd_critical_stretch": str(critical)}
+            runs = [self.solve(sheet | how, ranks) for ranks in ((1, 2, 3) if seed == 2 else (1,))]
+            counts = {run.summary["bonds_broken"] for run in runs}
+            self.assertEqual(len(counts), 1)
+            broken[width, q, seed] = counts.pop()
+            bonds = 60 * 60 * 14  # half a family of 28, but for the border
+            self.assertAlmostEqual(broken[width, q, seed] / bonds, (1.0 - q) ** 2 / 2.0, delta=0.04)
+        self.assertEqual(broken[0.3, 0.4, 1], broken[0.1, 0.4, 1])  # the same sites
+        self.assertNotEqual(broken[0.3, 0.4, 1], broken[0.3, 0.4, 2])
+
     def test_a_table_that_ends_before_the_body_is_told(self):
         table = self.scratch / "short.heat"
         table.write_text("".join(f"{t} {x} {y} {300 - 100 * t}\n" for t in (0, 1) for x in (0, 0.5) for y in (0, 1)))

@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/couple/fracture.hpp"
 #include "pdx/crack/crack_set.hpp"
+#include "pdx/law/scatter.hpp"
 #include "pdx/pd/toughness.hpp"
 #include "pdx/xfem/enrichment.hpp"
 
@@ -24,6 +25,7 @@ struct FractureOptions {
   std::vector<geom::Box<2>> no_fail; ///< bonds with an end in one of them never break [m]
   couple::Release release = couple::Release::all;
   double release_share = 0.1;
+  law::Scatter scatter; ///< of critical stretches
 
   bool active() const { return toughness || critical_stretch; }
   /// @param usual toughness of a material by name

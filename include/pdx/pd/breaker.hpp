@@ -16,6 +16,8 @@ struct BreakRule {
   const std::uint8_t* no_fail = nullptr; ///< per window site; bonds with an end where it is not 0 never break
   const law::Regions* regions = nullptr; ///< not null: s0 times `Regions::stretch` of the regions of both ends
   const std::uint8_t* region = nullptr;  ///< per window site, where there are regions
+  const double* shares = nullptr;        ///< not null: s0 times 1 + those of both ends, per window site     [-]
+  double least_share = 1.0;              ///< what this is at least                                          [-]
 };
 
 /// Bonds that broke, each counted by one rank only: sums over ranks are those of the scene.

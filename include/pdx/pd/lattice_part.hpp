@@ -4,6 +4,7 @@
 #include "pdx/field/rows.hpp"
 #include "pdx/geom/line_pieces.hpp"
 #include "pdx/law/regions.hpp"
+#include "pdx/law/scatter.hpp"
 #include "pdx/pd/breaker.hpp"
 #include "pdx/pd/damage.hpp"
 #include "pdx/pd/site_directory.hpp"
@@ -116,14 +117,19 @@ public:
   /// Of owned particle k, by volume of one as thick as the stencil [kg/m^3].
   double density(Index k) const;
   /// Does the critical stretch of bonds differ from one to another?
-  bool stretches_vary() const { return regions_ && !regions_->one_stretch(); }
+  bool stretches_vary() const { return has_stretches_by_region() || !scatter_.empty(); }
+  /// Spreads the stretch at which bonds break. Before anybody watches them.
+  /// @param first the lattice's site (0, 0) in that of the body
+  void scatter(const law::Scatter& scatter, const std::array<std::int64_t, 2>& first);
+  /// What a site, of this patch or not, adds to the factor 1 on the critical stretch of its bonds [-].
+  double share(const Site<Dim>& site) const;
   /// Critical stretch of the bond along half arm `arm` of the site with window index `at` over that of the patch [-].
   /// The bond is there, and of a particle of this rank.
   double stretch_factor(std::ptrdiff_t at, std::size_t arm) const
   {
-    if (!stretches_vary()) return 1.0;
-    return regions_->stretch(region_[static_cast<std::size_t>(at)],
-                             region_[static_cast<std::size_t>(at + arms_[arm].jump)]);
+    const auto i = static_cast<std::size_t>(at), j = static_cast<std::size_t>(at + arms_[arm].jump);
+    return (has_stretches_by_region() ? regions_->stretch(region_[i], region_[j]) : 1.0) *
+           (scatter_.empty() ? 1.0 : 1.0 + (scatter_[i] + scatter_[j]));
   }
   bool protects_any() const { return !no_fail_.empty(); }
   /// True if `protect` keeps the bond along half arm `arm` of the site with window index `at`.
@@ -172,6 +178,7 @@ private:
     kComplete = 4, ///< it had all bonds of a full family at first
     kLost = 8      ///< it lost a bond since
   };
+  bool has_stretches_by_region() const { return regions_ && !regions_->one_stretch(); }
   std::ptrdiff_t at(const Site<Dim>& site) const;
   bool in_window(const Site<Dim>& site) const;
   bool has_bond(std::ptrdiff_t at, std::size_t arm) const;
@@ -243,10 +250,13 @@ private:
   mutable std::vector<std::ptrdiff_t> thinned_;     // window indices of those, where now_volume_ is known
   SurfaceCorrection<Dim> correction_;
   std::shared_ptr<const law::Regions> regions_;
-  std::vector<std::uint8_t> region_;   // per window site; empty: none of them matters here
-  std::vector<std::uint16_t> classes_; // per window site; empty: no bond of this rank has a surface factor
-  std::vector<double> factors_;        // per class and half arm [-]
-  std::vector<Index> local_rows_;      // per window site: local row or -1
+  std::vector<std::uint8_t> region_; // per window site; empty: none of them matters here
+  std::vector<double> scatter_;      // per window site, see BreakRule::shares; empty: none
+  law::Scatter spread_;
+  std::array<std::int64_t, 2> first_{}; // the site (0, 0) in the lattice of the body
+  std::vector<std::uint16_t> classes_;  // per window site; empty: no bond of this rank has a surface factor
+  std::vector<double> factors_;         // per class and half arm [-]
+  std::vector<Index> local_rows_;       // per window site: local row or -1
   mutable std::vector<Run> force_runs_, linear_runs_;
   mutable bool runs_stale_ = true; // made when they are asked for
   std::vector<Run> segments_;

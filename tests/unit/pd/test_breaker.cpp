@@ -66,6 +66,31 @@ TEST(Breaker, BondsOfRegionsHaveTheirOwnCriticalStretch)
   }
 }
 
+TEST(Breaker, SharesOfBothEndsScaleTheCriticalStretch)
+{
+  const std::vector<double> shares{0.0, 0.05, 0.15, -0.25, 0.0}; // 1.2 and 0.9 of it
+  const std::vector<double> swelling{0.0, 0.001, 0.001, 0.001, 0.0};
+  for (const auto kinematics : {Kinematics::finite, Kinematics::linear})
+    for (const bool swells : {false, true}) {
+      Chain chain;
+      chain.u[0] = {0.0, 0.0, 0.02, 0.04, 0.0}; // s = 0.01 of both, and of it 0.002 free
+      const double own = swells ? 0.008 : 0.01;
+      const auto break_at = [&](double factor) {
+        pd::BreakRule rule{kinematics, own / factor};
+        rule.shares = shares.data();
+        rule.least_share = 0.75;
+        pd::BondView<2> view = chain.view();
+        view.swelling = swells ? swelling.data() : nullptr;
+        return pd::break_bonds<2>(view, chain.runs, rule, {chain.word.data(), nullptr});
+      };
+      EXPECT_EQ(break_at(0.89), 0);
+      EXPECT_EQ(break_at(0.91), 1);
+      EXPECT_EQ(chain.word, (std::vector<std::uint64_t>{0, 1, 0, 0, 0}));
+      EXPECT_EQ(break_at(1.19), 0);
+      EXPECT_EQ(break_at(1.21), 1);
+    }
+}
+
 TEST(Breaker, SqueezedBondsHold)
 {
   Chain chain;
