@@ -106,8 +106,8 @@ std::optional<Unit> unit_in(std::string_view word)
 {
   if (word.empty() || word == "-") return Unit{};
   Unit all;
-  int sign = 1;
-  for (std::size_t from = 0; from <= word.size();) {
+  int sign = word[0] == '/' ? -1 : 1; // 3/m: three per metre
+  for (std::size_t from = word[0] == '/' ? 1 : 0; from <= word.size();) {
     const std::size_t end = std::min(word.find_first_of("/*.", from), word.size());
     const auto part = powered(word.substr(from, end - from));
     if (!part) return std::nullopt;

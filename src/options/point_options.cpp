@@ -358,6 +358,7 @@ void judge_mixed_in_space(const SceneOptions& s)
     throw UserError(beside + "have no -pd_surface_correction exact, which is of the plane: give volume or none");
   if (s.mesh.cells[0] > 0 || !s.mesh.file.empty())
     throw UserError(beside + "have no elements: drop -mesh_cells (-mesh_file)");
+  if (s.fracture.scatter.any()) throw UserError(beside + "break at one stretch: drop -pd_scatter");
   if (s.pd.spacing.size() > 1)
     throw UserError(
         fmt::format("-pd_spacing has {} values: must be one, that of the points, in space", s.pd.spacing.size()));

@@ -71,10 +71,7 @@ template <int Dim, Series series> struct Finite {
     }
   }
   /// s^2 / shortened, where s = shortened / (1 - shortened) and 1 + e = 1 / (1 - shortened)^2.
-  template <int W> static PDX_INLINE Lanes<W> work(Lanes<W> shortened, Lanes<W> e)
-  {
-    return shortened + shortened * e;
-  }
+  template <int W> static PDX_INLINE Lanes<W> work(Lanes<W> shortened, Lanes<W> e) { return shortened + shortened * e; }
 };
 template <int Dim> struct Linear {
   template <int W> static PDX_INLINE double arrow(double xi, Lanes<W>) { return xi; }

@@ -600,6 +600,7 @@ CASES = [
     space("a grid made anew beside particles in space", r"-material_plane solid\b.*-mpm_formulation total",
           mpm_formulation="updated"),
     space("elements in space", r"-material_plane solid\b.*no elements", mesh_lower="2,0", mesh_upper="2.8,0.4", mesh_cells="4,2"),
+    space("scattered strength in space", r"-material_plane solid\b.*-pd_scatter", pd_scatter="0.05"),
     space("all of points as particles in space", r"-pd_patches all\b.*boxes", pd_patches="all"),
     # --- solids
     solid("solid of elements", r"-material_plane solid\b.*-pd_patches all", pd_patches=None, pd_spacing=None,
