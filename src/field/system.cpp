@@ -10,6 +10,9 @@ void System::bind(const std::vector<PetscInt>& also_needed)
   for (const auto& term : terms) term->needed_rows(needed);
   halo = std::make_unique<RowHalo>(rows, std::move(needed));
   for (const auto& term : terms) term->bind(*halo);
+  int any = rollers.empty() ? 0 : 1;
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, rows.comm);
+  rolls = any != 0;
   int ranks = 1;
   MPI_Comm_size(rows.comm, &ranks);
   if (ranks == 1) {
@@ -21,9 +24,6 @@ void System::bind(const std::vector<PetscInt>& also_needed)
   for (const Index component : prescribed.components) flags[static_cast<std::size_t>(component)] = 1.0;
   halo->fetch(flags, rows.dim, all);
   held.assign(all.begin(), all.end());
-  int any = rollers.empty() ? 0 : 1;
-  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, rows.comm);
-  rolls = any != 0;
 }
 
 std::vector<double> System::targets(double to) const
