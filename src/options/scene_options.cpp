@@ -248,6 +248,12 @@ void judge_time(const SceneOptions& s)
     throw UserError("-rebalance_threshold deals out the work of explicit steps: give -analysis explicit, or drop it");
   if (s.layout.renew_interval > 0 && s.time.analysis == Analysis::implicit_dynamics)
     throw UserError("-layout_renew_interval: implicit steps keep their layout; give -analysis explicit or static");
+  if (s.time.subcycle > 1 && s.time.analysis == Analysis::implicit_dynamics)
+    throw UserError("-ts_subcycle parts explicit steps: give -analysis explicit, or drop it");
+  if (s.time.subcycle > 1 && s.time.dynamic() && (s.points.any() || s.solid || is_cloud()))
+    throw UserError(
+        "-ts_subcycle parts elements from particles in the plane: drop it where there are material points, a "
+        "cloud or a solid");
   if (s.time.dynamic()) {
     for (const char* name : {"-load_steps", "-load_halvings", "-load_passes", "-load_broken_share", "-static_condense",
                              "-pd_release", "-pd_release_share"})

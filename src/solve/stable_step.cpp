@@ -1,6 +1,7 @@
 #include "pdx/solve/stable_step.hpp"
 
 #include "pdx/base/gather.hpp"
+#include "pdx/field/parted.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -61,11 +62,17 @@ struct Bounds {
   double step(std::size_t row) const { return 2.0 * std::sqrt(square(row)); }
 };
 
-Bounds bounds_of(const field::System& system)
+enum class Of : std::uint8_t { all, far };
+
+Bounds bounds_of(const field::System& system, Of what)
 {
   const auto owned = static_cast<std::size_t>(system.rows.owned()), dim = static_cast<std::size_t>(system.rows.dim);
   std::vector<double> blocks(owned * dim * dim, 0.0);
-  for (const auto& term : system.terms) term->add_stiffness_bound(blocks);
+  for (const auto& term : system.terms)
+    if (what == Of::all)
+      term->add_stiffness_bound(blocks);
+    else if (const auto* parted = dynamic_cast<const field::Parted*>(term.get()))
+      parted->add_far_bound(blocks);
   const std::vector<std::uint8_t> held = tied_held(system);
   Bounds bounds{lumped_mass(system), std::vector<double>(owned)};
   if (dim == 2)
@@ -105,9 +112,10 @@ std::vector<field::Tie> ties_of(const field::System& system)
   return ties;
 }
 
-StableStep stable_step(const field::System& system)
+namespace {
+StableStep stable_step_of(const field::System& system, Of what)
 {
-  const Bounds bounds = bounds_of(system);
+  const Bounds bounds = bounds_of(system, what);
   double limit = std::numeric_limits<double>::infinity();
   for (std::size_t row = 0; row < bounds.mass.size(); ++row) limit = std::min(limit, bounds.square(row));
   limit = 2.0 * std::sqrt(limit);
@@ -123,4 +131,8 @@ StableStep stable_step(const field::System& system)
   first.limit = limit;
   return first;
 }
+} // namespace
+
+StableStep stable_step(const field::System& system) { return stable_step_of(system, Of::all); }
+StableStep far_stable_step(const field::System& system) { return stable_step_of(system, Of::far); }
 } // namespace pdx::solve
