@@ -112,6 +112,23 @@ class MotionBench(Bench):
                    ["elements", "strain, cells", "one by one", "AVX-512", "its energy", "AVX2", "portable", "times faster"],
                    rows)
 
+        self.whole_steps_of_elements()
+
+    def whole_steps_of_elements(self):
+        """pulse in elements only, all that a run does but set-up: per element and step, with and without history."""
+        scene, counts, cells = ["-options_file", "cases/pulse/fe_only.opts", *ROLLERS, "-output_fields", "false"], (400, 1600), 250 * 125
+        spent = {"with": [], "without": []}
+        for _ in range(self.rounds):
+            for name, more in (("with", []), ("without", ["-output_history", "false"])):
+                few, many = (self.run([*scene, *more, "-ts_max_steps", str(count)])["wall_seconds"] for count in counts)
+                seconds = sum(many[part] - few[part] for part in ("solve", "output"))
+                spent[name].append(1e9 * seconds / (counts[1] - counts[0]) / cells)
+        shown = {name: statistics.median(values) for name, values in spent.items()}
+        self.results["elements whole steps"] = shown
+        self.table("pulse, 31,250 elements only, whole program, one core",
+                   ["energies every 10 steps [ns per element and step]", "no history [ns]"],
+                   [[f"**{shown['with']:.1f}** (goal 10)", f"{shown['without']:.1f}"]])
+
     def kernel_picture(self, rates):
         figure, axes = plt.subplots(figsize=(6.2, 3.2))
         kernels = {"strips_avx512": "strips, AVX-512", "strips_avx2": "strips, AVX2", "strips_portable": "strips, portable",

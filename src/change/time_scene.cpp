@@ -28,7 +28,8 @@ void TimeScene::drive()
     driver_ = std::make_unique<solve::ImplicitDriver>(scene_->system());
   else
     driver_ = std::make_unique<solve::ExplicitDriver>(
-        scene_->system(), solve::ExplicitOptions{limits_.rigorous, time.safety, time.allow_unstable, begun_});
+        scene_->system(),
+        solve::ExplicitOptions{limits_.rigorous, time.safety, time.allow_unstable, time.subcycle, begun_});
   begun_ = true;
 }
 

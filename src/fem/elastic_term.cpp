@@ -85,14 +85,46 @@ void ElasticTerm::bind(const field::RowHalo& halo)
 
 void ElasticTerm::sort_for_sweeps()
 {
-  std::vector<std::vector<ElementSweep::Element>> elements(body_.laws());
-  if (elements.size() == 1) elements[0].reserve(cells_.size());
-  for (std::size_t k = 0; k < cells_.size(); ++k)
-    elements[body_.number(cells_[k])].push_back({body_.mesh.corners(cells_[k]), rows_of(cells_[k]), counted_[k] != 0});
   sweeps_.clear();
-  for (std::size_t k = 0; k < elements.size(); ++k)
-    sweeps_.emplace_back(body_.regions ? body_.regions->elastic(k) : body_.law, body_.kinematics, elements[k],
-                         owned_rows_);
+  for (const bool far : {false, true}) {
+    if (far && far_.empty()) continue;
+    std::vector<std::vector<ElementSweep::Element>> elements(body_.laws());
+    if (elements.size() == 1) elements[0].reserve(cells_.size());
+    for (std::size_t k = 0; k < cells_.size(); ++k)
+      if (far_.empty() || (far_[k] != 0) == far)
+        elements[body_.number(cells_[k])].push_back(
+            {body_.mesh.corners(cells_[k]), rows_of(cells_[k]), counted_[k] != 0});
+    for (std::size_t k = 0; k < elements.size(); ++k)
+      sweeps_.emplace_back(body_.regions ? body_.regions->elastic(k) : body_.law, body_.kinematics, elements[k],
+                           owned_rows_);
+    if (!far) near_sweeps_ = sweeps_.size();
+  }
+}
+
+void ElasticTerm::part(std::span<const std::uint8_t> marked, std::span<std::uint8_t> near)
+{
+  far_.clear();
+  for (const Index c : cells_) {
+    const CellRows rows = rows_of(c);
+    const bool touches = std::ranges::any_of(rows, [&](Index row) { return marked[static_cast<std::size_t>(row)]; });
+    for (std::size_t a = 0; a < 4 && touches; ++a) near[static_cast<std::size_t>(rows[a])] = 1;
+    far_.push_back(!touches);
+  }
+  sort_for_sweeps();
+}
+
+void ElasticTerm::add_near(std::span<const double> u, std::span<double> r) const
+{
+  static Event event("fe_residual");
+  const Timed timed(event);
+  for (std::size_t k = 0; k < near_sweeps_; ++k) sweeps_[k].add_force(u, r);
+}
+
+void ElasticTerm::add_far(std::span<const double> u, std::span<double> r) const
+{
+  static Event event("fe_residual");
+  const Timed timed(event);
+  for (std::size_t k = near_sweeps_; k < sweeps_.size(); ++k) sweeps_[k].add_force(u, r);
 }
 
 void ElasticTerm::sort_out_free_cells()
@@ -201,12 +233,14 @@ void ElasticTerm::add_mass(std::span<double> mass) const
   }
 }
 
-void ElasticTerm::add_stiffness_bound(std::span<double> blocks) const
+void ElasticTerm::add_bound(bool far_only, std::span<double> blocks) const
 {
   std::vector<ReusedStiffness> reused = reused_stiffness(body_);
   std::vector<int> integrations(reused.size(), 0);
   std::vector<Eigen::Vector4d> bounds(reused.size()); // of the shape at hand, per corner [N/m]
-  for (const Index c : cells_) {
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    if (far_only && (far_.empty() || !far_[k])) continue;
+    const Index c = cells_[k];
     const Corners corners = body_.mesh.corners(c);
     const std::size_t number = body_.number(c);
     const ElementMatrix& stiffness = reused[number].of(corners);

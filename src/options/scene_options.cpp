@@ -138,6 +138,12 @@ void judge_time(const SceneOptions& s)
   for (const BoundaryCondition& c : s.conditions)
     if (c.pin && s.time.analysis != Analysis::explicit_dynamics)
       throw UserError(fmt::format("-bc_{}_pin pushes in explicit steps only: give -analysis explicit", c.name));
+  if (s.time.subcycle > 1 && s.time.analysis == Analysis::implicit_dynamics)
+    throw UserError("-ts_subcycle parts explicit steps: give -analysis explicit, or drop it");
+  if (s.time.subcycle > 1 && s.time.dynamic() && (s.points.any() || s.solid || is_cloud()))
+    throw UserError(
+        "-ts_subcycle parts elements from particles in the plane: drop it where there are material points, a "
+        "cloud or a solid");
   if (s.time.dynamic()) {
     for (const char* name : {"-load_steps", "-load_halvings", "-load_passes", "-load_broken_share", "-static_condense",
                              "-pd_release", "-pd_release_share"})

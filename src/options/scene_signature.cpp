@@ -38,7 +38,8 @@ constexpr std::string_view kMayChange[] = {"-output_",
                                            "-pd_cloud",
                                            "-mesh_file", // compared by what they say
                                            "-post_"};
-constexpr std::string_view kMayNotChange[] = {"-post_tip_damage"}; // of these: tips so far were found by it
+constexpr std::string_view kMayNotChange[] = {
+    "-post_tip_damage", "-ts_subcycle"}; // of these: tips so far were found by it; accelerations are by it
 constexpr std::string_view kPathOfLoads[] = {"-analysis", "-load_steps", "-bc_"}; // likewise, in statics
 
 bool belongs(const std::string& name, bool in_time)

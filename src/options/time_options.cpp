@@ -211,6 +211,11 @@ TimeOptions TimeOptions::read()
   t.safety = o.real("-ts_safety", t.safety, "-", "explicit: share of the stable limit that a step takes without -ts_dt",
                     {0.0, 1.0, true});
   t.allow_unstable = o.boolean("-ts_allow_unstable", false, "explicit: let -ts_dt be above the stable limit");
+  t.subcycle =
+      o.integer("-ts_subcycle", 1,
+                "explicit: steps that particles, and elements beside them, take in one step, of -ts_dt, of all "
+                "other elements",
+                {1.0, 1000.0});
   hand_to_petsc("-ts_dt", o.real("-ts_dt", std::numeric_limits<double>::quiet_NaN(), "s",
                                  "length of a step; explicit: none for the limit's", Range::positive()));
   hand_to_petsc("-ts_max_time", o.real("-ts_max_time", std::numeric_limits<double>::quiet_NaN(), "s", "end of the run",

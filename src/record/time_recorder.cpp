@@ -62,8 +62,9 @@ void TimeRecorder::started(const solve::TimeDriver& driver, const scene::StepLim
   files_.started();
   const double acoustic = acoustic_step(files_.options);
   files_.progress.line(fmt::format(
-      "{} steps of {:.4g} s; stable limit {:.4g} s{}{}", driver.expected_steps(), driver.step_length(), limits.rigorous,
-      limits.papers > 0.0 ? fmt::format(", the papers' Eq. 26 {:.4g} s", limits.papers) : "",
+      "{} steps of {:.4g} s{}; stable limit {:.4g} s{}{}", driver.expected_steps(), driver.step_length(),
+      files_.options.time.subcycle > 1 ? fmt::format(", particles take {} in each", files_.options.time.subcycle) : "",
+      limits.rigorous, limits.papers > 0.0 ? fmt::format(", the papers' Eq. 26 {:.4g} s", limits.papers) : "",
       acoustic > 0.0 ? fmt::format(", sound crosses a cell of points in {:.4g} s", acoustic) : ""));
   if (cracks_ && !cracks_->looked()) cracks_->look(driver.time(), 0);
   files_.begin_probes(driver.step(), driver.time(), driver.displacement());
@@ -237,6 +238,7 @@ void TimeRecorder::write_results(const solve::TimeDriver& driver, const MotionEn
   results["time"] = driver.time();
   results["step_length"] = driver.step_length();
   results["stable_step"] = limits_.rigorous;
+  if (files_.options.time.subcycle > 1) results["subcycle"] = files_.options.time.subcycle;
   if (limits_.papers > 0.0) results["stable_step_papers"] = limits_.papers;
   if (const double acoustic = acoustic_step(files_.options); acoustic > 0.0) results["stable_step_acoustic"] = acoustic;
   results["kinetic_energy"] = e.kinetic();

@@ -25,7 +25,8 @@ bool loads(const options::BoundaryCondition& c)
 std::string time_warning(const options::SceneOptions& options)
 {
   if (options.time.dynamic()) return {};
-  for (const char* name : {"-ts_max_time", "-ts_max_steps", "-ts_dt", "-ts_safety", "-ts_allow_unstable"})
+  for (const char* name :
+       {"-ts_max_time", "-ts_max_steps", "-ts_dt", "-ts_safety", "-ts_allow_unstable", "-ts_subcycle"})
     if (Options("ts").given(name))
       return fmt::format("{} acts in time and changes nothing in statics: give -analysis explicit or implicit, or drop "
                          "it",

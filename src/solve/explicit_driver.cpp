@@ -17,6 +17,7 @@ ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& opt
     : TimeDriver(system), options_(options)
 {
   register_central_difference();
+  if (options_.parts > 1) part_steps();
   make_ts(kCentralDifference);
   choose_step();
   PDX_CALL(TSSetRHSFunction(
@@ -36,9 +37,31 @@ ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& opt
                          [this](double time, double* v) { moving_.move_velocity_alone(time, v); },
                          {}});
   if (system.steps) set_motion(ts_.get(), {{}, {}, [this](double begin, double end) { step_alone(begin, end); }});
+  if (far_) set_motion(ts_.get(), {{}, {}, [this](double begin, double end) { step_in_parts(begin, end); }});
   PDX_CALL(TSSetUp(ts_.get()));
+  if (far_) return;
   const auto damps = [](const auto& term) { return term->damps(); };
   if (!system.steps && std::ranges::none_of(system.terms, damps) && ties_of(system).empty()) let_kicks_wait(ts_.get());
+}
+
+/// A run that goes on is not judged again: patches move, and what is far with them.
+void ExplicitDriver::part_steps()
+{
+  const field::System& system = moving_.system;
+  const int parts = options_.parts;
+  const auto damps = [](const auto& term) { return term->damps(); };
+  if (system.steps || std::ranges::any_of(system.terms, damps))
+    throw UserError(fmt::format("-ts_subcycle is {}: must be 1 with material points", parts));
+  far_.emplace(moving_);
+  const double far = far_->limit(), near = options_.limit;
+  if (!options_.goes_on && !far_->any())
+    throw UserError(fmt::format("-ts_subcycle is {}: must be 1 here, as no elements lie away from particles", parts));
+  if (const int most = static_cast<int>(std::min(1e6, std::ceil(far / near * (1.0 - 1e-9))));
+      !options_.goes_on && parts > most)
+    throw UserError(fmt::format("-ts_subcycle is {}: must be at most {} here, as elements away from particles allow "
+                                "steps of {:.4g} s and all else {:.4g} s",
+                                parts, most, far, near));
+  options_.limit = std::min(parts * near, far);
 }
 
 void ExplicitDriver::choose_step() const
@@ -105,10 +128,61 @@ void ExplicitDriver::step_alone(double begin, double end)
   fall_behind(end - begin);
 }
 
+void ExplicitDriver::step_in_parts(double begin, double end)
+{
+  double* values = nullptr;
+  Vec of_near = pdx::solve::acceleration(ts_.get());
+  PDX_CALL(VecGetArray(of_near, &values));
+  const std::span<double> a{values, moving_.owned()};
+  const auto dim = static_cast<std::size_t>(moving_.system.rows.dim);
+  const double part = last_part(end - begin);
+  const auto each = [dim](std::span<const Index> rows, auto&& visit) {
+    for (const Index row : rows)
+      for (std::size_t i = static_cast<std::size_t>(row) * dim; i < (static_cast<std::size_t>(row) + 1) * dim; ++i)
+        visit(i);
+  };
+  std::vector<double>&u = moving_.u, &v = moving_.v;
+  const auto push = [&] {
+    const std::span<const double> far = far_->acceleration();
+    for (std::size_t i = 0; i < v.size(); ++i) v[i] += 0.5 * (end - begin) * far[i];
+  };
+  far_->begin();
+  push();
+  each(far_->rows(), [&](std::size_t i) { u[i] += (end - begin) * v[i]; });
+  for (int k = 1; k <= options_.parts; ++k) {
+    const double now = k == options_.parts ? end : begin + k * part;
+    each(far_->near_rows(), [&](std::size_t i) {
+      v[i] += 0.5 * part * a[i];
+      u[i] += part * v[i];
+    });
+    moving_.move_alone(now, u.data());
+    evaluate(now, a);
+    each(far_->near_rows(), [&](std::size_t i) { v[i] += 0.5 * part * a[i]; });
+    if (k == options_.parts) break;
+    moving_.move_velocity_alone(now, v.data());
+    part_ended(part);
+  }
+  far_->evaluate(end);
+  push();
+  moving_.move_velocity_alone(end, v.data());
+  far_->book();
+  PDX_CALL(VecRestoreArray(of_near, &values));
+}
+
+/// What is far is worked out by where all is.
+void ExplicitDriver::forces_again(double time)
+{
+  if (!far_) return;
+  moving_.system.halo->refresh(moving_.u);
+  far_->evaluate(time);
+}
+
 KineticEnergy ExplicitDriver::kinetic_energy() const
 {
   catch_up();
-  return moving_.kinetic_energy(acceleration(), step_length());
+  KineticEnergy energy = moving_.kinetic_energy(acceleration(), last_part(step_length()));
+  if (far_) energy.scheme += moving_.kinetic_energy(far_->acceleration(), step_length()).scheme;
+  return energy;
 }
 
 void ExplicitDriver::start(double time, std::span<double> a)
@@ -116,6 +190,7 @@ void ExplicitDriver::start(double time, std::span<double> a)
   moving_.move_alone(time, moving_.u.data());
   moving_.move_velocity_alone(time, moving_.v.data());
   evaluate(time, a);
+  forces_again(time);
 }
 
 void ExplicitDriver::set_acceleration(const StepOrigin& origin, std::span<const double> a)

@@ -88,7 +88,10 @@ void MovingSystem::unbalanced(double time, std::span<double> f)
   for (std::size_t k = 0; k < busy_.size(); ++k) {
     const field::Term& term = *system.terms[k];
     const double begin = MPI_Wtime() - term.waited();
-    term.add_residual(u, f);
+    if (!parted_.empty() && parted_[k])
+      parted_[k]->add_near(u, f);
+    else
+      term.add_residual(u, f);
     busy_[k] += MPI_Wtime() - term.waited() - begin;
   }
   const auto& held = system.prescribed.components;
@@ -150,9 +153,11 @@ void MovingSystem::load_at(double time)
 {
   for (Load& load : loads_) {
     const double now = factor(*load.drive, time);
-    for (std::size_t k = 0; k < load.force.size(); ++k) // what loads a held component is its holder's
-      load.force[k] =
-          system.held[static_cast<std::size_t>(load.drive->components[k])] ? 0.0 : now * load.drive->values[k];
+    for (std::size_t k = 0; k < load.force.size(); ++k) { // what loads a held component is its holder's
+      const auto component = static_cast<std::size_t>(load.drive->components[k]);
+      const bool far = !far_rows_.empty() && far_rows_[component / static_cast<std::size_t>(system.rows.dim)];
+      load.force[k] = far || system.held[component] ? 0.0 : now * load.drive->values[k];
+    }
   }
 }
 
@@ -171,6 +176,13 @@ void MovingSystem::resume(double time, double work, const Damped& damped, std::s
 }
 
 void MovingSystem::held_force(std::vector<double>& force) const
+{
+  near_held_force(force);
+  const auto& held = system.prescribed.components;
+  for (std::size_t k = 0; k < far_held_.size(); ++k) force[static_cast<std::size_t>(held[k])] += far_held_[k];
+}
+
+void MovingSystem::near_held_force(std::vector<double>& force) const
 {
   force.assign(owned(), 0.0);
   const auto& held = system.prescribed.components;

@@ -1,6 +1,7 @@
 #include "pdx/solve/stable_step.hpp"
 
 #include "pdx/base/gather.hpp"
+#include "pdx/field/parted.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -61,12 +62,18 @@ struct Bounds {
   double step(std::size_t row) const { return 2.0 * std::sqrt(square(row)); }
 };
 
+enum class Of : std::uint8_t { all, far };
+
 /// @param known rows left at a stiffness of 0
-Bounds bounds_of(const field::System& system, std::span<const std::array<Index, 2>> known = {})
+Bounds bounds_of(const field::System& system, Of what, std::span<const std::array<Index, 2>> known = {})
 {
   const auto owned = static_cast<std::size_t>(system.rows.owned()), dim = static_cast<std::size_t>(system.rows.dim);
   std::vector<double> blocks(owned * dim * dim, 0.0);
-  for (const auto& term : system.terms) term->add_stiffness_bound(blocks);
+  for (const auto& term : system.terms)
+    if (what == Of::all)
+      term->add_stiffness_bound(blocks);
+    else if (const auto* parted = dynamic_cast<const field::Parted*>(term.get()))
+      parted->add_far_bound(blocks);
   const std::vector<std::uint8_t> held = tied_held(system);
   Bounds bounds{lumped_mass(system), std::vector<double>(owned)};
   const auto take = [&](std::size_t first, std::size_t end) {
@@ -116,15 +123,16 @@ std::vector<field::Tie> ties_of(const field::System& system)
 
 std::vector<double> row_limits(const field::System& system, std::span<const std::array<Index, 2>> known)
 {
-  const Bounds bounds = bounds_of(system, known);
+  const Bounds bounds = bounds_of(system, Of::all, known);
   std::vector<double> limits(bounds.mass.size());
   for (std::size_t row = 0; row < limits.size(); ++row) limits[row] = bounds.square(row);
   return limits;
 }
 
-StableStep stable_step(const field::System& system)
+namespace {
+StableStep stable_step_of(const field::System& system, Of what)
 {
-  const Bounds bounds = bounds_of(system);
+  const Bounds bounds = bounds_of(system, what);
   double limit = std::numeric_limits<double>::infinity();
   for (std::size_t row = 0; row < bounds.mass.size(); ++row) limit = std::min(limit, bounds.square(row));
   limit = 2.0 * std::sqrt(limit);
@@ -140,4 +148,8 @@ StableStep stable_step(const field::System& system)
   first.limit = limit;
   return first;
 }
+} // namespace
+
+StableStep stable_step(const field::System& system) { return stable_step_of(system, Of::all); }
+StableStep far_stable_step(const field::System& system) { return stable_step_of(system, Of::far); }
 } // namespace pdx::solve

@@ -107,10 +107,8 @@ void TimeDriver::refuse_unsound()
   throw SolverFailure(why);
 }
 
-void TimeDriver::after_step()
+void TimeDriver::book_and_break(double length)
 {
-  after_evaluations();
-  const double length = time() - asked(ts_.get(), TSGetPrevTime);
   moving_.book(length);
   losses_.clear();
   for (const auto& change : moving_.system.after_step) {
@@ -121,6 +119,18 @@ void TimeDriver::after_step()
     catch_up(); // by the acceleration of the step that ended
     let_go(losses_);
   }
+}
+
+void TimeDriver::part_ended(double length)
+{
+  book_and_break(length);
+  moving_.note();
+}
+
+void TimeDriver::after_step()
+{
+  after_evaluations();
+  book_and_break(last_part(time() - asked(ts_.get(), TSGetPrevTime)));
   moving_.foresee_damping(acceleration(), step_length());
   moving_.note();
   if (step() % kCheckInterval == 0 || step() >= expected_steps()) {
@@ -147,6 +157,7 @@ void TimeDriver::go_back()
 {
   for (const auto& change : moving_.system.after_step) change->restore();
   set_state(good_.clock, good_.state);
+  forces_again(good_.clock.time);
 }
 
 void TimeDriver::catch_up() const
@@ -169,7 +180,7 @@ void TimeDriver::copy_state(field::State& to) const
   to.v = moving_.v;
   const auto a = acceleration();
   to.a.assign(a.begin(), a.end());
-  moving_.held_force(to.held);
+  moving_.near_held_force(to.held);
 }
 
 field::State TimeDriver::state() const
@@ -205,6 +216,7 @@ void TimeDriver::resume(const Clock& clock, const field::State& state)
   good_.clock = clock;
   set_state(clock, state);
   moving_.system.halo->refresh(moving_.u);
+  forces_again(clock.time);
   if (moving_.astray(clock.time) > kJump)
     throw UserError(fmt::format("-restart: what is held would jump at {:g} s: give the displacements, velocities and "
                                 "histories up to then that the run had",

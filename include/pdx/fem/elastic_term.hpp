@@ -2,6 +2,7 @@
 #include "pdx/fem/assembly.hpp"
 #include "pdx/fem/corner_areas.hpp"
 #include "pdx/fem/element_sweep.hpp"
+#include "pdx/field/parted.hpp"
 #include "pdx/field/term.hpp"
 
 #include <optional>
@@ -11,7 +12,7 @@ namespace pdx::fem {
 /// of few shapes acts without a matrix where all nodes of a cell are owned; what is left to the sparse part are
 /// diagonal blocks and the cells at the border of the rank. The uses of the cells are read once, at construction; the
 /// mesh must outlive the Term.
-class ElasticTerm final : public field::Term {
+class ElasticTerm final : public field::Term, public field::Parted {
 public:
   /// @param node_rows global row of every local vertex, -1 where no plain cell needs one; the rows of owned vertices
   ///        are owned rows
@@ -25,6 +26,9 @@ public:
   /// Small strain only.
   void swell(const field::FreeStrain& strain) override;
   void add_residual(std::span<const double> u, std::span<double> r) const override;
+  void part(std::span<const std::uint8_t> marked, std::span<std::uint8_t> near) override;
+  void add_near(std::span<const double> u, std::span<double> r) const override;
+  void add_far(std::span<const double> u, std::span<double> r) const override;
   double energy(std::span<const double> u) const override;
   void linearise(std::span<const double> u) override;
   void couplings(field::Couplings& couplings, bool whole) const override;
@@ -35,7 +39,8 @@ public:
   void add_mass(std::span<double> mass) const override;
   /// Each element by the largest eigenvalue of its stiffness over its lumped mass: elements alone in space would be
   /// that stiff. In a uniform plate the step comes out 13 to 15 % short.
-  void add_stiffness_bound(std::span<double> blocks) const override;
+  void add_stiffness_bound(std::span<double> blocks) const override { add_bound(false, blocks); }
+  void add_far_bound(std::span<double> blocks) const override { add_bound(true, blocks); }
 
 private:
   using CellRows = std::array<Index, 4>;
@@ -44,6 +49,7 @@ private:
   void sort_out_free_cells();
   void sort_for_sweeps();
   void add_free_diagonal(field::BlockAdder& adder) const;
+  void add_bound(bool far_only, std::span<double> blocks) const;
 
   /// Cells of one shape that need no matrix.
   struct FreeCells {
@@ -65,7 +71,9 @@ private:
   std::vector<double> node_displacement_; ///< 2 per local vertex, at the last linearisation (finite only) [m]
   std::vector<FreeCells> free_;           ///< by shape
   std::vector<Index> border_;             ///< cells that are not free
-  std::vector<ElementSweep> sweeps_;      ///< over cells_, one for each law
+  std::vector<ElementSweep> sweeps_;      ///< over cells_, one for each law; first of those near
+  std::size_t near_sweeps_ = 0;           ///< of sweeps_
+  std::vector<std::uint8_t> far_;         ///< per entry of cells_; empty: all are near
   std::vector<double> swelling_;          ///< 2 per owned row, see SwellingLoad; empty: nothing swells [N]
   double swelling_energy_ = 0.0;          ///< of counted cells [J]
   Index owned_rows_ = 0;

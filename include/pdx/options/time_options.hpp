@@ -68,6 +68,7 @@ struct TimeOptions {
   Analysis analysis = Analysis::statics;
   double safety = 0.9; ///< share of the stable limit that a step takes by itself [-]
   bool allow_unstable = false;
+  int subcycle = 1; ///< steps of particles in one of elements away from them
   CheckpointOptions checkpoint;
 
   bool dynamic() const { return analysis != Analysis::statics; }

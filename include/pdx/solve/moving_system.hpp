@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/field/parted.hpp"
 #include "pdx/field/system.hpp"
 
 namespace pdx::solve {
@@ -26,7 +27,7 @@ public:
   std::span<const field::Tie> ties() const { return ties_; }
 
   /// Refreshes the halo of u. f = internal force - loads at that time, of the owned components; both are remembered
-  /// where something is held or loaded. Collective.
+  /// where something is held or loaded. Without what is far (`FarForces`), where Terms were parted. Collective.
   void unbalanced(double time, std::span<double> f);
   /// f += forces of Terms against the velocity, where there are any; after `unbalanced`, when v is that of half a step
   /// before. Collective.
@@ -38,6 +39,22 @@ public:
   void accelerate(std::span<double> f) const;
   /// The acceleration and the forces on what is held without internal forces that are no longer there.
   void let_go(std::span<const field::ForceLoss> losses, std::span<double> a);
+  /// What is far: its owned rows, whose loads are none of ours, and what it has computed besides, by Term [s].
+  ///@{
+  /// @param parted of each Term; null: it is near as a whole
+  void leave_far(std::vector<std::uint8_t> rows, std::vector<const field::Parted*> parted)
+  {
+    far_rows_ = std::move(rows);
+    parted_ = std::move(parted);
+  }
+  void add_busy(std::size_t term, double seconds)
+  {
+    busy_.resize(system.terms.size(), 0.0);
+    busy_[term] += seconds;
+  }
+  /// Internal force of what is far on each prescribed component, for `held_force` [N].
+  void set_far_held(std::span<const double> force) { far_held_.assign(force.begin(), force.end()); }
+  ///@}
   /// y += M x, ties included.
   void add_inertia(std::span<const double> x, std::span<double> y) const;
   /// Overwrites held components by what drives them.
@@ -80,6 +97,7 @@ public:
   double stored_energy() const;
   /// Internal force at the last `unbalanced` where something is held, 0 on other owned components [N].
   void held_force(std::vector<double>& force) const;
+  void near_held_force(std::vector<double>& force) const; ///< the same without what is far
   /// The place of the fastest row, of all ranks [m]. Collective.
   std::array<double, 3> fastest_place() const;
 
@@ -108,7 +126,10 @@ private:
   std::vector<field::Tie> ties_;
   std::vector<Loose> loose_;
   std::vector<Load> loads_;
-  std::vector<double> change_; // owned, only where `let_go` meets ties [m/s^2]
+  std::vector<const field::Parted*> parted_; // per Term; empty: all are near
+  std::vector<std::uint8_t> far_rows_;       // 1 per owned row that is; empty: none
+  std::vector<double> far_held_;             // per prescribed component; empty: none [N]
+  std::vector<double> change_;               // owned, only where `let_go` meets ties [m/s^2]
   std::vector<double> held_, held_before_, held_u_before_;
   std::vector<double> rolled_; // internal force along each roller [N]
   double held_kinetic_before_ = 0.0, work_ = 0.0;

@@ -25,4 +25,6 @@ std::vector<field::Tie> ties_of(const field::System& system);
 /// free components; the same on any number of ranks. Of rows that decide alike, the lowest place counts.
 /// Throws SolverFailure naming the place if a row that can move has stiffness but no mass. Collective.
 StableStep stable_step(const field::System& system);
+/// The same of what Terms were parted into as far; nothing else has stiffness.
+StableStep far_stable_step(const field::System& system);
 } // namespace pdx::solve

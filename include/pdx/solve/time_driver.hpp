@@ -73,6 +73,12 @@ protected:
   virtual void set_acceleration(const StepOrigin& origin, std::span<const double> a) = 0;
   /// What is held is where it should be, and the acceleration follows from where all is.
   virtual void start(double time, std::span<double> a) = 0;
+  /// What was worked out from u besides the acceleration, after u was set.
+  virtual void forces_again(double time) { (void)time; }
+  /// Of a step that has parts, the length of the last one [s].
+  virtual double last_part(double length) const { return length; }
+  /// Books a part of a step, the last one left out, and lets bonds break.
+  void part_ended(double length);
   virtual void judge_step(double length) const { (void)length; } ///< throws UserError for one that is too long
   /// What a step becomes where it was chosen for another layout, and may be too long for this one [s].
   virtual double fitting_step(double length) const { return length; }
@@ -91,6 +97,7 @@ protected:
 
 private:
   void after_step();
+  void book_and_break(double length);
   bool sound();
   void refuse_unsound();
   int most_steps() const; ///< asked for
