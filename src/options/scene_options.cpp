@@ -140,6 +140,9 @@ void judge_time(const SceneOptions& s)
       throw UserError(fmt::format("-bc_{}_pin pushes in explicit steps only: give -analysis explicit", c.name));
   if (s.time.subcycle > 1 && s.time.analysis == Analysis::implicit_dynamics)
     throw UserError("-ts_subcycle parts explicit steps: give -analysis explicit, or drop it");
+  for (const BoundaryCondition& c : s.conditions)
+    if (s.time.subcycle > 1 && (c.roller || c.springs || c.turn || c.pin))
+      throw UserError(fmt::format("-ts_subcycle knows no rollers, springs, turns or pins: drop it, or -bc_{}", c.name));
   if (s.time.subcycle > 1 && s.time.dynamic() && (s.points.any() || s.solid || is_cloud()))
     throw UserError(
         "-ts_subcycle parts elements from particles in the plane: drop it where there are material points, a "

@@ -47,6 +47,8 @@ CASES = [
     moving("safety above 1", r"-ts_safety\b.*1\.1", ts_safety="1.1"),
     moving("more parts of steps than save anything", r"-ts_subcycle\b.*50.*at most", PATCH, ts_subcycle="50"),
     moving("parts of steps without particles", r"-ts_subcycle\b.*2.*at most 1", ts_subcycle="2"),
+    moving("parts of steps and rollers", r"-ts_subcycle\b.*rollers.*-bc_slope", PATCH, ts_subcycle="2",
+           bc_names="slope", bc_slope_on="bottom", bc_slope_roller="0,1"),
     moving("parts of implicit steps", r"-ts_subcycle\b.*-analysis explicit", analysis="implicit", ts_dt="1e-5",
            ts_subcycle="2"),
     moving("start elsewhere", r"-ts_init_time\b.*0", ts_init_time="1e-5"),
