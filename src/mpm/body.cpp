@@ -107,24 +107,31 @@ template <int Dim> bool Body<Dim>::has(const Site<Dim>& site) const
   return points_in(in) >> bit & 1U;
 }
 
-template <int Dim> bool Body<Dim>::at_surface(const Site<Dim>& cell, int site) const
+template <int Dim> unsigned Body<Dim>::uncovered(const Site<Dim>& cell, int site) const
 {
   Site<Dim> own = site_in_cell<Dim>(site, material.ratio);
   for (std::size_t d = 0; d < Dim; ++d) own[d] += cell[d] * material.ratio;
+  unsigned directions = 0;
   for (std::size_t d = 0; d < Dim; ++d)
     for (const Index step : {-1, 1}) {
       Site<Dim> beside = own;
       beside[d] += step;
-      if (!has(beside)) return true;
+      if (!has(beside)) directions |= 1U << d;
     }
-  return false;
+  return directions;
+}
+
+template <int Dim> Vector<Dim> Body<Dim>::skin_place(const Site<Dim>& cell, int site) const
+{
+  const Vector<Dim> x = place(cell, site);
+  return skin ? skin(x, uncovered(cell, site)) : x;
 }
 
 template <int Dim>
 Body<Dim> fill_body(std::string name, const BodyMaterial& material, const geom::Box<Dim>& reach,
                     const std::function<bool(const Vector<Dim>&)>& inside)
 {
-  Body<Dim> body{std::move(name), material, reach.lower, {}, {}};
+  Body<Dim> body{std::move(name), material, reach.lower, {}, {}, {}};
   double count = 1.0;
   for (std::size_t d = 0; d < Dim; ++d) {
     const auto a = static_cast<Eigen::Index>(d);

@@ -17,7 +17,7 @@ void judge_grid(const SceneOptions& s)
   if (o.given("-mpm_skip_rest"))
     throw UserError(
         "-mpm_skip_rest is of -mpm_formulation total: on a grid made anew no cell keeps its points; drop it");
-  for (const char* name : {"-contact", "-contact_stiffness", "-contact_friction"})
+  for (const char* name : {"-contact", "-contact_stiffness", "-contact_friction", "-contact_skin"})
     if (o.given(name))
       throw UserError(fmt::format(
           "{} is of -mpm_formulation total: bodies on one grid meet on its nodes, and stick; drop it", name));

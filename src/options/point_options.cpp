@@ -224,27 +224,6 @@ geom::Box<3> PointShape::around() const
   return all;
 }
 
-ContactOptions ContactOptions::read(bool any_points, bool describe)
-{
-  Options o("contact");
-  static constexpr const char* laws[] = {"none", "penalty"};
-  ContactOptions contact;
-  contact.active = o.choice("-contact", 1, laws, "bodies of material points that meet: pass through, or push") == 1;
-  contact.stiffness =
-      o.real("-contact_stiffness", 0.0, "Pa",
-             "modulus of the layer between bodies that touch; 0: that of their materials", Range::at_least(0.0));
-  contact.friction = o.real("-contact_friction", 0.0, "-", "Coulomb's coefficient of friction", Range::at_least(0.0));
-  if (describe) return contact;
-  for (const char* name : {"-contact", "-contact_stiffness", "-contact_friction"}) {
-    if (!o.given(name)) continue;
-    if (!any_points)
-      throw UserError(fmt::format("{} is of material points, and there are none: give -mpm_bodies", name));
-    if (!contact.active && std::string_view(name) != "-contact")
-      throw UserError(fmt::format("{} says how bodies touch, and -contact none that they do not: drop one", name));
-  }
-  return contact;
-}
-
 PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool describe)
 {
   Options o("mpm");

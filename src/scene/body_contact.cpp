@@ -96,7 +96,8 @@ template <int Dim> std::vector<std::uint64_t> first_names(const PointPlan<Dim>& 
 
 template <int Dim>
 std::vector<couple::SurfacePoint<Dim>>
-surface_points(const PointPlan<Dim>& plan, std::span<const CellOfBody<Dim>> cells, const mpm::PointTerm<Dim>& term)
+surface_points(const PointPlan<Dim>& plan, std::span<const CellOfBody<Dim>> cells, const mpm::PointTerm<Dim>& term,
+               const std::function<bool(Index)>& by_sites)
 {
   const std::vector<std::uint64_t> first = body_contact::first_names(plan);
   std::vector<couple::SurfacePoint<Dim>> points;
@@ -106,8 +107,8 @@ surface_points(const PointPlan<Dim>& plan, std::span<const CellOfBody<Dim>> cell
     const mpm::Body<Dim>& of = plan.bodies[b];
     const std::uint64_t name = first[b] + 64 * static_cast<std::uint64_t>(of.number(at));
     mpm::for_each_point(of.points_in(at), [&](int site) {
-      if (!of.at_surface(at, site)) return;
-      const Vector<Dim> x = of.place(at, site);
+      if (!of.uncovered(at, site)) return;
+      const Vector<Dim> x = by_sites(cells[k].body) ? of.place(at, site) : of.skin_place(at, site);
       points.push_back({{name + static_cast<std::uint64_t>(site), cells[k].body, x, of.material.spacing},
                         body_contact::carried_by<Dim>(of, at, term.cells()[k], x)});
     });
@@ -126,7 +127,7 @@ void add_surface_particle(const PointPlan<Dim>& plan, Index body, const Site<Dim
     cell[d] = site[d] / of.material.ratio;
     in = in * of.material.ratio + site[d] % of.material.ratio;
   }
-  if (!of.at_surface(cell, in)) return;
+  if (!of.uncovered(cell, in)) return;
   const std::uint64_t name = body_contact::first_names(plan)[static_cast<std::size_t>(body)] +
                              64 * static_cast<std::uint64_t>(of.number(cell)) + static_cast<std::uint64_t>(in);
   points.push_back({{name, body, of.place_of(site), of.material.spacing}, couple::Host::of_row(row)});
@@ -143,7 +144,9 @@ template void add_contact<3>(const options::SceneOptions&, std::vector<couple::C
 template std::vector<couple::ContactBody> touching_bodies<2>(const PointPlan<2>&);
 template std::vector<couple::ContactBody> touching_bodies<3>(const PointPlan<3>&);
 template std::vector<couple::SurfacePoint<2>> surface_points<2>(const PointPlan<2>&, std::span<const CellOfBody<2>>,
-                                                                const mpm::PointTerm<2>&);
+                                                                const mpm::PointTerm<2>&,
+                                                                const std::function<bool(Index)>&);
 template std::vector<couple::SurfacePoint<3>> surface_points<3>(const PointPlan<3>&, std::span<const CellOfBody<3>>,
-                                                                const mpm::PointTerm<3>&);
+                                                                const mpm::PointTerm<3>&,
+                                                                const std::function<bool(Index)>&);
 } // namespace pdx::scene

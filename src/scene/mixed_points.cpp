@@ -218,8 +218,9 @@ void add_bodies(const mesh::Mesh& mesh, const options::SceneOptions& options, Di
     for (const Index v : d.sets->vertices()) of_row.push_back(of_vertex[static_cast<std::size_t>(v)]);
   for (const pd::Particle& p : d.particles) of_row.push_back(mesh.body(p.cell));
   throw_bodies<2>(options.points, *d.point_plan, of_row, d.system);
+  const bool by_sites = options.points.contact.by_sites || options.converts() || options.layout.renew_box;
   add_contact<2>(
-      options, std::move(bodies), [&] { return surface_points(mesh, d); }, d);
+      options, std::move(bodies), [&] { return surface_points(mesh, d, by_sites); }, d);
 }
 
 void keep_books(Discretisation& d)

@@ -11,9 +11,13 @@ constexpr std::uint64_t kElements = std::uint64_t{1} << 61U, kParticles = std::u
 /// Surface points of the bodies of a scene, of this rank.
 class Surface {
 public:
-  Surface(const mesh::Mesh& mesh, const Discretisation& d) : mesh_(mesh), d_(d), scene_{mesh, d.node_rows, d.sets.get()}
+  Surface(const mesh::Mesh& mesh, const Discretisation& d, bool by_sites)
+      : mesh_(mesh), d_(d), scene_{mesh, d.node_rows, d.sets.get()}
   {
-    if (d.points) points_ = surface_points<2>(*d.point_plan, d.point_cells, *d.points);
+    if (!d.points) return;
+    const std::vector<std::uint8_t> particles = have_particles();
+    points_ = surface_points<2>(*d.point_plan, d.point_cells, *d.points,
+                                [&](Index body) { return by_sites || particles[static_cast<std::size_t>(body)]; });
   }
 
   std::vector<couple::SurfacePoint<2>> points()
@@ -24,6 +28,14 @@ public:
   }
 
 private:
+  /// Which of the bodies, on any rank?
+  std::vector<std::uint8_t> have_particles() const
+  {
+    std::vector<std::uint8_t> have(d_.point_plan->bodies.size() + 1, 0); // that of elements last
+    for (const pd::Particle& p : d_.particles) have[static_cast<std::size_t>(mesh_.body(p.cell))] = 1;
+    MPI_Allreduce(MPI_IN_PLACE, have.data(), static_cast<int>(have.size()), MPI_UINT8_T, MPI_MAX, mesh_.comm());
+    return have;
+  }
   void add(std::uint64_t name, Index body, const Vector<2>& x, double size, const couple::Host& host)
   {
     points_.push_back({{name, body, x, size}, host});
@@ -88,8 +100,8 @@ private:
 };
 } // namespace mixed_surface
 
-std::vector<couple::SurfacePoint<2>> surface_points(const mesh::Mesh& mesh, const Discretisation& d)
+std::vector<couple::SurfacePoint<2>> surface_points(const mesh::Mesh& mesh, const Discretisation& d, bool by_sites)
 {
-  return mixed_surface::Surface(mesh, d).points();
+  return mixed_surface::Surface(mesh, d, by_sites).points();
 }
 } // namespace pdx::scene

@@ -69,7 +69,11 @@ std::unique_ptr<Model> discretise(const options::SceneOptions& options, const Po
   add_points(plan, options.points, body);
   throw_bodies<Dim>(options.points, plan, body.grid.body, system);
   add_contact<Dim>(
-      options, touching_bodies(plan), [&] { return surface_points<Dim>(plan, body.owned_cells(), *body.term); },
+      options, touching_bodies(plan),
+      [&] {
+        return surface_points<Dim>(plan, body.owned_cells(), *body.term,
+                                   [&](Index) { return options.points.contact.by_sites; });
+      },
       *model);
   apply_conditions(options, body);
   system.bind();

@@ -1,5 +1,7 @@
 #include "pdx/scene/point_shapes.hpp"
 
+#include "point_skins.hpp"
+
 #include "pdx/base/error.hpp"
 #include "pdx/pd/cloud.hpp"
 
@@ -178,6 +180,10 @@ mpm::Body<Dim> body_of(const options::PointBodyOptions& options, const mpm::Body
                        const geom::Frame& frame)
 {
   mpm::Body<Dim> body = whole_body<Dim>(options, material, frame);
+  body.skin = skin_of<Dim>(options.shape, material.spacing, [shape = options.shape](const Vector<2>& x) {
+    Enclosed inside(shape.border);
+    return inside(x);
+  });
   if (!options.shape.hole) return body;
   const options::PointShape::Ball& hole = *options.shape.hole;
   for (std::size_t k = 0; k < body.points.size(); ++k) {

@@ -36,6 +36,10 @@ SPALL = SOFT | {"-material_young": "1e4", "-material_poisson": "0", "-material_d
 # A block that flies onto a plate and slides.
 RUB = SOFT | {"-mpm_bodies": "plate,block", "-mpm_plate_box": "0,0,0.03,0.006", "-mpm_block_box": "0.006,0.006,0.014,0.01",
               "-mpm_block_velocity": "0.5,-0.3", "-contact_friction": "0.3", "-ts_safety": "0.5", "-ts_max_steps": "700"}
+# A disc that falls on a slope, which is held: it keeps what it has along the slope.
+FALL = SOFT | {"-mpm_bodies": "slope,disc", "-mpm_spacing": "0.5e-3", "-mpm_disc_velocity": "0,-1", "-ts_safety": "0.5",
+               "-ts_max_time": "2.5e-3", "-output_history_interval": "20", "-bc_names": "hold", "-bc_hold_of": "slope",
+               "-bc_hold_box": "-1,-1,1,1", "-bc_hold_displacement": "0,0"}
 # A unit square of one four-node cell, and a triangle on its right whose slanted side goes through no site of .1.
 TWO_SURFACES = """$MeshFormat
 2.2 0 8
@@ -223,6 +227,17 @@ class Points(program.ProgramTest):
             self.solve(scene | {"-ts_max_steps": "100", "-checkpoint_interval": "100"}, ranks, directory)
             rest = self.solve(scene | {"-restart": str(directory / "checkpoint.h5")}, ranks, directory)
             self.assertEqual(whole.history(), rest.history())
+
+    def test_a_disc_slides_off_a_slope_as_if_it_were_flat(self):
+        for degrees in (18, 35):
+            angle = math.radians(degrees)
+            along, up = (math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))
+            corners = [[0.03 * (s * a - d * n) for a, n in zip(along, up)] for s, d in ((-1, 0), (-1, 1), (1, 1), (1, 0))]
+            run = self.launch(FALL | {"-mpm_disc_disc": f"{0.0105 * up[0]!r},{0.0105 * up[1]!r},0.01",
+                                      "-mpm_slope_polygon": ",".join(repr(x) for corner in corners for x in corner)})
+            after = [run.history()[-1][f"velocity_disc_{axis}"] for axis in "xy"]
+            self.assertAlmostEqual(after[0] * along[0] + after[1] * along[1], -along[1], delta=0.01)  # [m/s]; of stairs .1
+            self.assertGreater(after[0] * up[0] + after[1] * up[1], 0.88 * up[1])
 
     def test_a_restart_knows_where_friction_holds(self):
         for ranks in (1, 2):

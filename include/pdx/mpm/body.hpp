@@ -16,6 +16,9 @@ template <int Dim> struct Body {
   Vector<Dim> corner = Vector<Dim>::Zero(); ///< of the grid [m]
   Site<Dim> cells{};                        ///< of the grid, per direction
   std::vector<std::uint64_t> points;        ///< as PointCell::points, for each cell, x fastest; 0: none is in it
+  /// Of a shape whose border runs across the lattice: where the skin of the body is beside a site, half a spacing
+  /// within the border. Directions that no other point covers are bits. Empty: at the site itself.
+  std::function<Vector<Dim>(const Vector<Dim>& site, unsigned uncovered)> skin;
 
   double cell_size() const { return material.ratio * material.spacing; } ///< h [m]
   std::int64_t number(const Site<Dim>& cell) const;
@@ -40,8 +43,10 @@ template <int Dim> struct Body {
   }
   /// Is a point on that site of the lattice? Counted from the corner, any number.
   bool has(const Site<Dim>& site) const;
-  /// Has the point on a site of a cell a side that no other point covers?
-  bool at_surface(const Site<Dim>& cell, int site) const;
+  /// The directions, bit by bit, along which the point on a site of a cell has a side that no other point covers.
+  unsigned uncovered(const Site<Dim>& cell, int site) const;
+  /// Place of the skin that the point on a site at the surface stands for [m].
+  Vector<Dim> skin_place(const Site<Dim>& cell, int site) const;
 };
 
 /// Fills a body: its points are the sites whose centres lie in the shape.

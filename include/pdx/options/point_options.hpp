@@ -54,6 +54,7 @@ struct ContactOptions {
   bool active = true;
   double stiffness = 0.0; ///< modulus of the layer between two bodies; 0: that of their materials [Pa]
   double friction = 0.0;  ///< Coulomb's coefficient [-]
+  bool by_sites = false;  ///< touched where points are, stairs on slanted borders, not half a spacing within the border
 
   static ContactOptions read(bool any_points, bool describe);
 };

@@ -34,11 +34,14 @@ void add_contact(const options::SceneOptions& options, std::vector<couple::Conta
 /// Names and moduli of the bodies of points of a plan.
 template <int Dim> std::vector<couple::ContactBody> touching_bodies(const PointPlan<Dim>& plan);
 
-/// Surface points among the material points of a Term, of the cells that this rank gave it.
-/// @param cells of the Term, in their order
+/// Surface points among the material points of a Term, of the cells that this rank gave it: half a spacing within the
+/// border that their body's shape has.
+/// @param cells of the Term, in their order   @param by_sites of a body: at its sites instead, as particles are, which
+/// points of it may become
 template <int Dim>
 std::vector<couple::SurfacePoint<Dim>>
-surface_points(const PointPlan<Dim>& plan, std::span<const CellOfBody<Dim>> cells, const mpm::PointTerm<Dim>& term);
+surface_points(const PointPlan<Dim>& plan, std::span<const CellOfBody<Dim>> cells, const mpm::PointTerm<Dim>& term,
+               const std::function<bool(Index)>& by_sites);
 
 /// Adds a particle in the place of a material point, by the same name, if it lies at the surface of its body.
 template <int Dim>
