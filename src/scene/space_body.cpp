@@ -202,9 +202,8 @@ void add_bonds(const options::SceneOptions& options, SpaceModel& space)
 std::vector<couple::SurfacePoint<3>> surface_of(const SpaceModel& space)
 {
   const PointRows<3>& grid = space.points->grid;
-  std::vector<couple::SurfacePoint<3>> points =
-      surface_points<3>(space.points->plan, space.points->owned_cells(), *space.points->term,
-                        [](Index) { return true; });
+  std::vector<couple::SurfacePoint<3>> points = surface_points<3>(space.points->plan, space.points->owned_cells(),
+                                                                  *space.points->term, [](Index) { return true; });
   for (std::size_t k = 0; k < space.taken.particles.size(); ++k)
     add_surface_particle<3>(space.points->plan, space.taken.particles[k].body, space.taken.particles[k].site,
                             grid.rows.first + grid.rows.first_particle() + static_cast<PetscInt>(k), points);
