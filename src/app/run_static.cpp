@@ -10,6 +10,7 @@
 #include "pdx/record/prior.hpp"
 #include "pdx/record/recorder.hpp"
 #include "pdx/scene/particle_warnings.hpp"
+#include "pdx/scene/scene_names.hpp"
 #include "pdx/scene/static_solving.hpp"
 #include "pdx/solve/static_solver.hpp"
 
@@ -141,7 +142,13 @@ private:
         change_ = mover_.look(scene_.view(), scene_.plan(), d().fracture->broken(), {});
         return !change_.empty();
       };
-    driver_ = std::make_unique<solve::StaticSolver>(d().system, steps, std::move(before));
+    if (mover_.follows()) {
+      const scene::Standing standing = scene_.standing();
+      const scene::SceneNames names(standing);
+      lasting_.names.assign(names.rows().begin(), names.rows().end());
+    }
+    driver_ = std::make_unique<solve::StaticSolver>(d().system, steps, std::move(before),
+                                                    mover_.follows() ? &lasting_ : nullptr);
     recorder_.tell_condensed(driver_->condensation());
   }
 
@@ -240,6 +247,7 @@ private:
   change::StaticCheckpoints checkpoints_;
   adapt::LayoutChange change_;                  // to come
   std::optional<solve::OpenStep> open_;         // a load that it comes within
+  solve::Lasting lasting_;                      // from driver to driver
   std::unique_ptr<solve::StaticSolver> driver_; // on scene_
   double load_ = 0.0;                           // accepted last
 };

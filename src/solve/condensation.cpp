@@ -2,7 +2,7 @@
 
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
-#include "pdx/solve/inner_factor.hpp"
+#include "pdx/solve/staged_elimination.hpp"
 
 #include <algorithm>
 #include <new>
@@ -71,7 +71,9 @@ MatHandle stiffness_of_fixed(const field::System& system)
   for (const auto& term : system.terms)
     if (term->fixed()) term->add_jacobian(adder, true);
   adder.finish(0.0);
-  PDX_CALL(MatConvert(matrix.get(), MATAIJ, MAT_INPLACE_MATRIX, matrix.address()));
+  int ranks = 1;
+  MPI_Comm_size(rows.comm, &ranks);
+  if (ranks > 1) PDX_CALL(MatConvert(matrix.get(), MATAIJ, MAT_INPLACE_MATRIX, matrix.address())); // to be gathered
   return matrix;
 }
 
@@ -81,6 +83,17 @@ std::vector<PetscInt> everywhere(const field::Rows& rows, const std::vector<Inde
   std::vector<PetscInt> global;
   for (const Index component : mine) global.push_back(rows.first * rows.dim + component);
   return gather_all(rows.comm, global);
+}
+
+/// Nodes and sets of all ranks by name.
+std::vector<NamedRow> named_rows(const field::Rows& rows, std::span<const field::RowName> names)
+{
+  std::vector<NamedRow> mine;
+  for (Index row = 0; row < rows.first_particle(); ++row)
+    mine.push_back({names[static_cast<std::size_t>(row)], rows.first + row});
+  std::vector<NamedRow> all = gather_all(rows.comm, mine);
+  std::ranges::sort(all, {}, [](const NamedRow& row) { return row.name.value(); });
+  return all;
 }
 
 int rank_of(MPI_Comm comm)
@@ -115,34 +128,29 @@ Border border_of(const field::System& system)
   return border;
 }
 
-struct Condensation::Inner {
-  InnerFactor factor;
-  std::vector<double> loaded; // eliminated components at load 1 while the kept ones rest [m]
-};
-
-Condensation::Condensation(const field::System& system, Border border) : system_(system), border_(std::move(border))
+Condensation::Condensation(const field::System& system, Border border, Lasting* lasting)
+    : system_(system), border_(std::move(border))
 {
   static Event event("solve_condense");
   const Timed timed(event);
   sort_components();
   const field::Rows& rows = system_.rows;
-  const std::vector<PetscInt> kept = everywhere(rows, kept_), free = everywhere(rows, free_),
-                              held = everywhere(rows, held_);
+  const std::vector<PetscInt> held = everywhere(rows, held_);
   const std::vector<double> targets = gather_all(rows.comm, targets_);
   const MatHandle k = stiffness_of_fixed(system_);
   const GatheredMatrix whole(k.get());
+  const MatrixRows entries(whole.get());
+  ElementsOfLayout elements{entries, rows.dim, {}, everywhere(rows, free_), everywhere(rows, kept_)};
+  if (lasting) elements.rows = named_rows(rows, lasting->names);
   std::vector<double> load = gather_all(rows.comm, system_.load);
   std::vector<double> dense;
   int sound = 1;
   if (rank_of(rows.comm) == 0) {
     try { // the others wait: what fails here is told to them
-      inner_ = std::make_unique<Inner>(Inner{InnerFactor(whole.get(), free, kept, dense), {}});
-      fault_ = inner_->factor.fault();
+      inner_ = std::make_unique<StagedElimination>(elements, lasting ? &lasting->core : nullptr, dense);
+      fault_ = inner_->fault();
       subtract_product(whole.get(), held, targets, load); // what prescribed components pull with at rest of all others
-      if (fault_.empty()) {
-        inner_->loaded = inner_->factor.solve(pick(load, free));
-        load = inner_->factor.condensed(pick(load, kept), inner_->loaded);
-      }
+      if (fault_.empty()) load = inner_->condense(load);
     } catch (const std::bad_alloc&) {
       fault_ = "memory does not suffice for what stays of the elements";
     }
@@ -206,10 +214,7 @@ void Condensation::recover(double load, std::span<double> u) const
   for (const Index c : kept_) kept.push_back(u[static_cast<std::size_t>(c)]);
   kept = gather_all(system_.rows.comm, kept);
   std::vector<double> free;
-  if (inner_) {
-    free = inner_->factor.answer(kept);
-    for (std::size_t k = 0; k < free.size(); ++k) free[k] += load * inner_->loaded[k];
-  }
+  if (inner_) free = inner_->answer(load, kept);
   free = ours(free, first_free_, free_.size());
   for (std::size_t k = 0; k < free_.size(); ++k) u[static_cast<std::size_t>(free_[k])] = free[k];
   for (std::size_t k = 0; k < held_.size(); ++k) u[static_cast<std::size_t>(held_[k])] = load * targets_[k];

@@ -12,15 +12,16 @@ constexpr double kDensest = 60.0;
 constexpr std::int64_t kMostKept = 8000; // components: half a gigabyte
 } // namespace
 
-StaticSolver::StaticSolver(const field::System& system, const StaticOptions& options, StaticReport before)
+StaticSolver::StaticSolver(const field::System& system, const StaticOptions& options, StaticReport before,
+                           Lasting* lasting)
     : system_(system)
 {
-  condense(options, before.solves == 0);
+  condense(options, before.solves == 0, lasting);
   driver_ = std::make_unique<StaticDriver>(condensed_ ? condensed_->system() : system_, options, std::move(before));
 }
 
 /// @param begins a run that asked for it is told at once; a later layout may leave nothing to eliminate
-void StaticSolver::condense(const StaticOptions& options, bool begins)
+void StaticSolver::condense(const StaticOptions& options, bool begins, Lasting* lasting)
 {
   told_.why_not = reason_against(options);
   if (options.condense == Condense::on && !told_.why_not.empty() && begins)
@@ -31,7 +32,7 @@ void StaticSolver::condense(const StaticOptions& options, bool begins)
     told_.eliminated = border.eliminated_components;
     told_.why_not = judge(border, options);
     if (told_.why_not.empty()) {
-      condensation_ = std::make_unique<Condensation>(system_, std::move(border));
+      condensation_ = std::make_unique<Condensation>(system_, std::move(border), lasting);
       told_.why_not = condensation_->fault();
     }
   }

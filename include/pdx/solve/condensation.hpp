@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/field/row_name.hpp"
 #include "pdx/field/system.hpp"
 
 #include <Eigen/Core>
@@ -13,13 +14,22 @@ struct Border {
 /// Collective.
 Border border_of(const field::System& system);
 
+class LastingCore;
+class StagedElimination;
+
+/// What outlives the layouts of a scene that changes, so that a small change costs little.
+struct Lasting {
+  std::vector<field::RowName> names; ///< of our owned rows in the layout at hand
+  std::shared_ptr<LastingCore> core; ///< of the first rank
+};
+
 /// The matrix K of the fixed Terms, with the eliminated components I condensed onto the kept ones G:
 /// S = K_GG - K_GI K_II^-1 K_IG, dense. One rank eliminates for all.
 class Condensation {
 public:
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  /// @param system must outlive it. Collective.
-  Condensation(const field::System& system, Border border);
+  /// @param system must outlive it   @param lasting null: no other layout is to come. Collective.
+  Condensation(const field::System& system, Border border, Lasting* lasting = nullptr);
   ~Condensation();
   Condensation(const Condensation&) = delete;
   Condensation& operator=(const Condensation&) = delete;
@@ -39,7 +49,6 @@ public:
   void recover(double load, std::span<double> u) const;
 
 private:
-  struct Inner; // what one rank knows
   void sort_components();
   void gather(std::vector<double>& load) const;
   std::vector<double> ours(const std::vector<double>& all, std::size_t first, std::size_t count) const;
@@ -51,7 +60,7 @@ private:
   std::vector<double> targets_;           // of held_ at load 1 [m]
   std::size_t first_free_ = 0;            // number of our first one among those of all ranks
   Index first_ = 0, size_ = 0;
-  std::unique_ptr<Inner> inner_; // of the first rank
+  std::unique_ptr<StagedElimination> inner_; // of the first rank
   Matrix stiffness_;
   std::vector<double> load_;
 };

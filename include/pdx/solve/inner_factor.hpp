@@ -9,7 +9,7 @@ namespace pdx::solve {
 /// A distributed matrix as the first rank sees the whole of it; no matrix elsewhere. Collective.
 class GatheredMatrix {
 public:
-  /// @param matrix MATAIJ; must outlive it
+  /// @param matrix MATAIJ, on one rank MATBAIJ too; must outlive it
   explicit GatheredMatrix(Mat matrix);
   Mat get() const { return whole_; }
 

@@ -15,7 +15,9 @@ struct CondensationReport {
 class StaticSolver {
 public:
   /// As that of StaticDriver. Throws UserError if condensation is asked for of what is never condensed. Collective.
-  StaticSolver(const field::System& system, const StaticOptions& options, StaticReport before = {});
+  /// @param lasting what solvers of other layouts leave for those after them; null: there are none
+  StaticSolver(const field::System& system, const StaticOptions& options, StaticReport before = {},
+               Lasting* lasting = nullptr);
 
   Verdict run(Vec u, LoadPath& path, const StaticDriver::Accepted& accepted, std::optional<OpenStep>* open = nullptr);
   void run(Vec u, const StaticDriver::Accepted& accepted);
@@ -26,7 +28,7 @@ public:
   std::vector<double> unbalanced_force(Vec u, double load) const;
 
 private:
-  void condense(const StaticOptions& options, bool begins);
+  void condense(const StaticOptions& options, bool begins, Lasting* lasting);
   std::string reason_against(const StaticOptions& options) const;
   std::string judge(const Border& border, const StaticOptions& options) const;
 
