@@ -1,5 +1,6 @@
 #include "pdx/scene/body_books.hpp"
 
+#include "pdx/base/gather.hpp"
 #include "pdx/couple/contact_books.hpp"
 #include "pdx/solve/stable_step.hpp"
 
@@ -123,9 +124,9 @@ void BodyBooks<Dim>::add_results(std::span<const double> local, std::span<const 
     thrown += start_.momentum[b].norm();
     change += now.momentum[b] - start_.momentum[b];
   }
-  const bool free = system_.prescribed.components.empty() && system_.drives.empty() && system_.rollers.empty() &&
-                    system_.springs.empty();
-  if (free && thrown > 0.0) results["momentum_error_ratio"] = change.norm() / thrown;
+  const bool held = any_rank(system_.rows.comm, !system_.prescribed.components.empty() || !system_.drives.empty() ||
+                                                    !system_.rollers.empty() || !system_.supports.empty());
+  if (!held && thrown > 0.0) results["momentum_error_ratio"] = change.norm() / thrown;
   if (start_.momentum.size() != 2) return;
   const auto velocity_of = [](const Sums& sums, std::size_t b) -> Vector<Dim> {
     return sums.momentum[b] / sums.mass[b];

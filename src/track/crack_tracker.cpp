@@ -30,7 +30,8 @@ void CrackTracker::look(double time, std::span<const double> damage, const NameO
   for (std::size_t k = 0; k < before_.size(); ++k) {
     const double near = threshold_ - kDamageRounding;
     if (damage[k] < near || before_[k] >= near || before_[k] < 0.0) continue;
-    if (tree_.has(name(k))) continue; // it was gone, and came again
+    if (tree_.has(name(k))) continue;    // it was gone, and came again
+    if (!tree_.place(name(k))) continue; // of a body that no crack was given in, and that became particles later
     const double share = std::min(1.0, (threshold_ - before_[k]) / (damage[k] - before_[k]));
     mine.push_back({name(k), time_ + share * (time - time_)});
   }

@@ -52,6 +52,24 @@ PULSE = STEEL | {
     "-ts_max_time": "38e-6",
     "-ts_dt": "0.1e-6",
 }
+# A block that flies onto a bar with a crack, held at its right end: both become particles where they bear much, and break.
+DROPPED = STEEL | {
+    "-mpm_bodies": "bar,block",
+    "-mpm_bar_box": "0,0,0.04,0.012",
+    "-mpm_block_box": "0.0163,0.0132,0.0243,0.0212",
+    "-mpm_block_velocity": "0,-400",
+    "-crack_names": "crack",
+    "-crack_crack_points": "0.02,0,0.02,0.006",
+    "-adapt": "expand",
+    "-adapt_trigger": "connection,damage",
+    "-pd_critical_stretch": "0.003",
+    "-bc_names": "right",
+    "-bc_right_of": "bar",
+    "-bc_right_on": "right",
+    "-bc_right_displacement": "0,0",
+    "-ts_max_time": "8e-6",
+    "-ts_safety": "0.5",
+}
 # A square that spins so fast that all of it becomes particles.
 SPINNING = STEEL | {
     "-mpm_bodies": "square",
@@ -84,6 +102,15 @@ class Mixed(program.ProgramTest):
                 for name in ("velocity_bar_x", "energy_points", "energy_bonds", "energy_residual"):
                     scale = last["energy_points"] if name.startswith("energy") else 10.0
                     self.assertLess(abs(other[name] - last[name]), 1e-10 * scale, name)
+
+    def test_damage_of_a_body_without_a_crack_is_none_of_the_crack_s(self):
+        runs = [self.solve(DROPPED, ranks) for ranks in (1, 2)]
+        self.assertEqual(runs[0].history()[-1]["bonds_broken"], runs[1].history()[-1]["bonds_broken"])
+        for run in runs:
+            tips = run.summary["results"]["tips"]
+            self.assertEqual([tip["start"] for tip in tips], [[0.02, 0.006]] * len(tips))
+            self.assertTrue(all(tip["at"][1] < 0.012 for tip in tips), tips)
+            self.assertNotIn("momentum_error_ratio", run.summary["results"])  # whichever rank holds what is held
 
     def test_nothing_is_paid_for_what_is_not_there(self):
         events = self.solve(STRUCK | {"-contact": "none", "-ts_max_time": "2e-6"}).events
