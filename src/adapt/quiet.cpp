@@ -137,6 +137,13 @@ std::vector<geom::Box<2>> QuietCells::look(const SceneView& scene, const QuietRu
   return boxes;
 }
 
+void QuietCells::share(MPI_Comm comm)
+{
+  std::vector<std::array<Index, 2>> mine;
+  for (const auto& [cell, looks] : quiet_) mine.push_back({cell, looks});
+  for (const auto& [cell, looks] : gather_all(comm, mine)) take(cell, looks);
+}
+
 std::vector<bool> may_be_particles(const SceneView& scene)
 {
   const mesh::Mesh& mesh = scene.mesh;

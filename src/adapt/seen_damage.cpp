@@ -1,5 +1,7 @@
 #include "pdx/adapt/seen_damage.hpp"
 
+#include "pdx/base/gather.hpp"
+
 namespace pdx::adapt {
 std::vector<Index> SeenDamage::news(const SceneView& scene)
 {
@@ -11,10 +13,24 @@ std::vector<Index> SeenDamage::news(const SceneView& scene)
     last = damage;
     const pd::Particle& p = scene.particles[static_cast<std::size_t>(k)];
     const couple::PatchShape& shape = scene.around[static_cast<std::size_t>(p.patch)].shape();
-    double& seen = damage_[shape.names.of(shape.active.site(p.site))];
+    const std::uint64_t name = shape.names.of(shape.active.site(p.site));
+    double& seen = damage_[name];
     if (damage > seen + kBroken) news.push_back(k);
     seen = damage;
+    fresh_.insert(name);
   }
   return news;
+}
+
+void SeenDamage::share(MPI_Comm comm)
+{
+  struct Seen {
+    std::uint64_t name;
+    double damage;
+  };
+  std::vector<Seen> mine;
+  for (const std::uint64_t name : fresh_) mine.push_back({name, damage_.at(name)});
+  for (const auto& [name, damage] : gather_all(comm, mine)) take(name, damage);
+  fresh_.clear();
 }
 } // namespace pdx::adapt

@@ -169,6 +169,7 @@ private:
     if (!change_.empty()) ++files_.summary.relocations;
     balance_.leave(driver());
     mover_.leave_scene();
+    if (change_.empty()) mover_.deal_out(files_.comm()); // else cells stay where they are
     scene_.rebuild(change_, std::move(costs));
     files_.velocity = driver().v();
     const std::optional<scene::CrackNotes> cracks = scene_.take(std::move(moment), change_);

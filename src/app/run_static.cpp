@@ -213,6 +213,7 @@ private:
     driver_.reset();
     if (!change_.empty()) ++files_.summary.relocations;
     mover_.leave_scene();
+    if (change_.empty()) mover_.deal_out(files_.comm());
     scene_.rebuild(change_);
     d().system.go_to(load_);
     std::vector<double> start, force; // of the load accepted last

@@ -23,7 +23,11 @@ void PatchMover::write(io::Hdf5File& file) const
   std::vector<Record> mine;
   for (const auto& [name, damage] : seen_.entries()) mine.push_back({name, damage});
   std::vector<Record> all = gather_all(file.comm(), mine);
-  std::ranges::sort(all, {}, &Record::name);
+  std::ranges::sort(all, [](const Record& a, const Record& b) {
+    return a.name != b.name ? a.name < b.name : a.damage > b.damage; // what others know of a particle is no more
+  });
+  const auto again = std::ranges::unique(all, {}, &Record::name);
+  all.erase(again.begin(), again.end());
   std::vector<std::uint64_t> names;
   std::vector<double> damage, expansions;
   int rank = 0;
@@ -41,6 +45,8 @@ void PatchMover::write(io::Hdf5File& file) const
   for (const auto& [cell, looks] : quiet_.entries()) quiet.push_back({cell, looks});
   quiet = gather_all(file.comm(), quiet);
   std::ranges::sort(quiet);
+  const auto twice = std::ranges::unique(quiet);
+  quiet.erase(twice.begin(), twice.end());
   std::vector<double> cells, looks;
   for (std::size_t k = 0; k < quiet.size() && rank == 0; ++k) {
     cells.push_back(quiet[k][0]);

@@ -25,6 +25,8 @@ public:
   /// Quiet looks in a row, by natural number of the cell; those of other ranks do no harm.
   const std::unordered_map<Index, int>& entries() const { return quiet_; }
   void take(Index cell, int looks) { quiet_[cell] = looks; }
+  /// Cells may be other ranks' from now on: all know of all. Collective.
+  void share(MPI_Comm comm);
 
 private:
   std::unordered_map<Index, int> quiet_;

@@ -37,6 +37,13 @@ public:
     space_watch_.reset();
     seen_.leave_scene();
   }
+  /// So it does, and cells may be dealt out anew for it: what ranks have seen of theirs, all know.
+  void deal_out(MPI_Comm comm)
+  {
+    if (!follows()) return;
+    seen_.share(comm);
+    quiet_.share(comm);
+  }
   /// Is the border of patches that stay as they are to be watched still?
   bool watches() const;
   /// Where a crack came within a horizon of elements, which do not break, in words; "" for nowhere. Watches no more
