@@ -126,10 +126,6 @@ void RunFiles::report_cracks()
     warn(fmt::format("the crack tip at {} ends in elements and closes at the last element edge before it: put a patch "
                      "there for a true tip (-adapt_seed tip does)",
                      options.frame.text(tip)));
-  for (const Vector<2>& place : report.near)
-    warn(fmt::format("cracks meet at {}, so near to the border of an element that parts may hold together there: let "
-                     "them meet on it, or farther away",
-                     options.frame.text(place)));
 }
 
 void RunFiles::make_room()

@@ -10,9 +10,8 @@
 
 namespace pdx::xfem {
 namespace {
-constexpr double kTolerance = 1e-9;                 // of the smallest edge
-constexpr double kFar = 1e-2;                       // of the mesh: what a crack goes on for at its ends, and more
-constexpr double kOnEdge = 2e-11, kNearEdge = 1e-6; // of the diagonal of an element: between them is near an edge
+constexpr double kTolerance = 1e-9; // of the smallest edge
+constexpr double kFar = 1e-2;       // of the mesh: what a crack goes on for at its ends, and more
 
 double smallest_edge(const mesh::Mesh& mesh)
 {
@@ -29,7 +28,7 @@ double smallest_edge(const mesh::Mesh& mesh)
 struct Found {
   std::vector<CellCut> cuts;     ///< ascending by cell
   std::vector<std::size_t> tips; ///< numbers of the tips that lie in owned elements
-  std::vector<EndCut> ends;      ///< in elements, ascending by crack
+  std::vector<NearCell> near;    ///< owned elements that cracks may reach, ascending by cell
 };
 
 /// Is x in the cell, grown by `margin` on every side?
@@ -62,21 +61,15 @@ void add_tips_in(const fem::Corners& cell, double margin, int crack, std::span<c
     if (tips[k].crack == crack && holds(cell, tips[k].at, margin)) found.push_back(k);
 }
 
-/// Adds the ends of a crack on others that lie in a cell which it comes into.
-/// @param distance of the cell's corners from the crack
-void add_ends_in(const mesh::Mesh& mesh, const crack::CutCell& cell, double margin, int crack,
-                 const crack::CrackSet& cracks, const std::array<double, 4>& distance, std::vector<EndCut>& found)
+/// Of all local cells [m].
+double longest_diagonal(const mesh::Mesh& mesh)
 {
-  for (std::size_t k = 0; k < cracks.junctions().size(); ++k) {
-    const crack::Junction& junction = cracks.junctions()[k];
-    if (junction.crack != crack || !holds(mesh.corners(cell.cell), junction.at, margin)) continue;
-    EndCut end{k, {cell.cell, crack, {}, std::nullopt, -1, junction.other, junction.at}};
-    for (std::size_t a = 0; a < 4; ++a) {
-      end.cut.distance[a] = distance[a];
-      if (cell.edges >> a & 1u) end.cut.entry = static_cast<int>(a);
-    }
-    found.push_back(end);
+  double squared = 0.0;
+  for (Index c = 0; c < mesh.cells(); ++c) {
+    const auto x = mesh.corners(c);
+    squared = std::max({squared, (x[2] - x[0]).squaredNorm(), (x[3] - x[1]).squaredNorm()});
   }
+  return std::sqrt(squared);
 }
 
 /// The cells that may lie at a crack, and their vertices: a small mesh of its own.
@@ -118,15 +111,16 @@ struct CellsAtCrack {
 Found find_everything(const mesh::Mesh& mesh, const crack::CrackSet& cracks, double tolerance)
 {
   Found found;
+  const double reach = longest_diagonal(mesh) + tolerance;
   for (int crack = 0; crack < cracks.size(); ++crack) {
     const CellsAtCrack near(mesh, cracks.points(crack));
     const crack::Cuts cuts = crack::find_cuts(cracks, crack, {near.points, near.corners}, tolerance);
     for (const crack::CutCell& nearby : cuts.cells) {
       const crack::CutCell cut{near.cells[static_cast<std::size_t>(nearby.cell)], nearby.kind, nearby.edges};
+      if (!is_element(mesh, cut.cell)) continue;
       std::array<double, 4> distance{}; // of its corners
       for (std::size_t a = 0; a < 4; ++a)
         distance[a] = cuts.distance[static_cast<std::size_t>(near.corners[static_cast<std::size_t>(nearby.cell)][a])];
-      if (mesh.use(cut.cell) == mesh::Use::covered || mesh.use(cut.cell) == mesh::Use::points) continue;
       if (cut.kind == crack::CellKind::through) {
         CellCut& kept = found.cuts.emplace_back(CellCut{cut.cell, crack, {}});
         kept.distance = distance;
@@ -135,9 +129,13 @@ Found find_everything(const mesh::Mesh& mesh, const crack::CrackSet& cracks, dou
       // A tip just before an edge lies in the next cell: within the tolerance, and its rounding.
       if (cut.cell < mesh.owned_cells())
         add_tips_in(mesh.corners(cut.cell), 2.0 * tolerance, crack, cracks.tips(), found.tips);
-      add_ends_in(mesh, cut, tolerance, crack, cracks, distance, found.ends);
     }
+    for (std::size_t k = 0; k < near.cells.size(); ++k)
+      if (const Index c = near.cells[k]; c < mesh.owned_cells() && is_element(mesh, c) &&
+                                         std::abs(cuts.distance[static_cast<std::size_t>(near.corners[k][0])]) <= reach)
+        found.near.push_back({c, crack});
   }
+  std::ranges::stable_sort(found.near, {}, &NearCell::cell);
   std::ranges::stable_sort(found.cuts, {}, &CellCut::cell);
   return found;
 }
@@ -189,25 +187,6 @@ std::vector<Vector<2>> closed_tips(const mesh::Mesh& mesh, const crack::CrackSet
   for (const std::size_t t : all) places.push_back(cracks.tips()[t].at);
   return places;
 }
-
-/// @param cells that are cut
-std::vector<Vector<2>> meetings_near_edges(const mesh::Mesh& mesh, const crack::CrackSet& cracks,
-                                           std::span<const CutElement> cells)
-{
-  std::vector<std::size_t> mine;
-  for (std::size_t k = 0; k < cracks.junctions().size(); ++k)
-    for (const CutElement& cut : cells) {
-      const auto corners = mesh.corners(cut.cell);
-      const double inside = depth_in(mesh, cut.cell, cracks.junctions()[k].at) / (corners[2] - corners[0]).norm();
-      if (inside > kOnEdge && inside < kNearEdge) mine.push_back(k);
-    }
-  std::vector<std::size_t> all = gather_all(mesh.comm(), mine);
-  std::ranges::sort(all);
-  std::vector<Vector<2>> places;
-  for (const std::size_t k : all)
-    if (std::ranges::find(places, cracks.junctions()[k].at) == places.end()) places.push_back(cracks.junctions()[k].at);
-  return places;
-}
 } // namespace
 
 EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, const EnrichmentRule& rule,
@@ -216,11 +195,11 @@ EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, cons
 {
   const double tolerance = kTolerance * smallest_edge(mesh);
   const Found found = find_everything(mesh, cracks, tolerance);
-  JunctionZone zone(mesh, cracks, found.cuts, found.ends, tolerance, frame);
   std::vector<Index> active;
   for (Index c = 0; c < mesh.cells(); ++c)
-    if (mesh.use(c) != mesh::Use::covered && mesh.use(c) != mesh::Use::points) active.push_back(c);
+    if (is_element(mesh, c)) active.push_back(c);
   const MeshView view{mesh.all_cells(), mesh.points(), active};
+  JunctionZone zone(mesh, cracks, view, found.near, found.cuts, tolerance, frame);
   const Enrichment enrichment = enrich_together(mesh, view, found.cuts, rule, cracks.size());
   if (!zone.empty()) zone.part(found.cuts, enrichment.snapped, rule.share());
   codes_ = zone.codes();
@@ -230,7 +209,6 @@ EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, cons
     if (k == 0 || cells_[k].cell != cells_[k - 1].cell) mesh.cut(cells_[k].cell);
   count(enrichment, zone);
   report_.closed = closed_tips(mesh, cracks, found.tips);
-  report_.near = meetings_near_edges(mesh, cracks, cells_);
 }
 
 void EnrichedSets::keep_sets(const Enrichment& enrichment, const JunctionZone& zone)
@@ -313,7 +291,7 @@ void EnrichedSets::count(const Enrichment& enrichment, const JunctionZone& zone)
   std::array<Index, 3> sum{owned_cells, owned(),
                            given_up + static_cast<Index>(std::ranges::count_if(enrichment.dropped, lost))};
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_INT, MPI_SUM, mesh_.comm());
-  report_ = {sum[0], sum[1], sum[2], {}, {}};
+  report_ = {sum[0], sum[1], sum[2], {}};
 }
 
 EnrichedSet* EnrichedSets::find(Index vertex, int crack)

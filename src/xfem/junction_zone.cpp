@@ -17,96 +17,69 @@ struct ZoneCell {
   std::array<double, 8> places; // of the corners [m]
 };
 struct ZoneCut {
-  Index natural;                    // cell
-  int crack, entry, other, snapped; // snapped: 0 no, -1 minus, 1 plus
+  Index natural;      // cell
+  int crack, snapped; // snapped: 0 no, -1 minus, 1 plus
   std::array<double, 4> distance;
-  std::array<double, 2> end;
 };
 
-bool is_element(const mesh::Mesh& mesh, Index cell)
+std::array<Index, 4> natural_nodes(const mesh::Mesh& mesh, Index cell)
 {
-  return mesh.use(cell) != mesh::Use::covered && mesh.use(cell) != mesh::Use::points;
+  std::array<Index, 4> nodes;
+  for (std::size_t a = 0; a < 4; ++a) nodes[a] = mesh.natural_vertex(mesh.cell(cell)[a]);
+  return nodes;
 }
 
-/// Adds the vertices of an owned cell.
-void add_nodes(const mesh::Mesh& mesh, Index cell, std::vector<Index>& nodes)
+void sort_unique(std::vector<Index>& numbers)
 {
-  if (cell < mesh.owned_cells())
-    for (const Index v : mesh.cell(cell)) nodes.push_back(mesh.natural_vertex(v));
-}
-
-template <class Records> auto of_cell(const Records& records, Index cell)
-{
-  return run_of(records, cell, [](const auto& record) { return record.cell; });
+  std::ranges::sort(numbers);
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 } // namespace
 
-double depth_in(const mesh::Mesh& mesh, Index cell, const Vector<2>& x)
+JunctionZone::JunctionZone(const mesh::Mesh& mesh, const crack::CrackSet& cracks, const MeshView& view,
+                           std::span<const NearCell> near, std::span<const CellCut> cuts, double tolerance,
+                           const geom::Frame& frame)
+    : mesh_(mesh), cracks_(cracks), tolerance_(tolerance),
+      place_of_cell_(static_cast<std::size_t>(mesh.cells()), Index{-1}), codes_(cracks.size())
 {
-  const auto corners = mesh.corners(cell);
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < 4; ++k) {
-    const Vector<2> along = (corners[(k + 1) % 4] - corners[k]).normalized(), to = x - corners[k];
-    least = std::min(least, along.x() * to.y() - along.y() * to.x());
-  }
-  return least;
-}
-
-JunctionZone::JunctionZone(const mesh::Mesh& mesh, const crack::CrackSet& cracks, std::span<const CellCut> cuts,
-                           std::span<const EndCut> ends, double tolerance, const geom::Frame& frame)
-    : mesh_(mesh), cracks_(cracks), place_of_cell_(static_cast<std::size_t>(mesh.cells()), Index{-1}),
-      codes_(cracks.size())
-{
-  refuse_ends(cuts, ends, tolerance, frame);
-  find_nodes(cuts);
+  if (cracks.empty()) return;
+  find_nodes(view, near, cuts);
   refuse_patches(frame);
 }
 
-/// Keeps those that meet in their cell what they end on; the rest is only rounding if another cell has both.
-void JunctionZone::refuse_ends(std::span<const CellCut> cuts, std::span<const EndCut> ends, double tolerance,
-                               const geom::Frame& frame)
+void JunctionZone::find_nodes(const MeshView& view, std::span<const NearCell> near, std::span<const CellCut> cuts)
 {
-  const auto has = [&](Index cell, int crack) {
-    const auto through = of_cell(cuts, cell);
-    return std::ranges::any_of(through, [crack](const CellCut& cut) { return cut.crack == crack; }) ||
-           std::ranges::any_of(ends, [&](const EndCut& end) {
-             return end.cut.cell == cell && end.cut.crack == crack && end.cut.entry >= 0;
-           });
-  };
-  std::vector<std::size_t> open, met; // numbers of junctions
-  for (const EndCut& end : ends) {
-    const bool meets = end.cut.entry >= 0 && has(end.cut.cell, end.cut.other);
-    if (meets) ends_.push_back(end.cut);
-    if (end.cut.cell < mesh_.owned_cells()) (meets ? met : open).push_back(end.junction);
+  std::vector<Index> sure;
+  std::vector<std::array<Index, 4>> free; // nodes of cells, and single ones, that may do without
+  for (const Meeting& meeting : find_meetings(view, near, cuts, cracks_, tolerance_)) {
+    const std::array<Index, 4> nodes = natural_nodes(mesh_, meeting.cell);
+    if (meeting.several)
+      sure.insert(sure.end(), nodes.begin(), nodes.end());
+    else
+      free.push_back(nodes);
   }
-  std::ranges::stable_sort(ends_, {}, &PieceCut::cell);
-  for (std::size_t k = 0; k < cracks_.junctions().size(); ++k) {
-    const crack::Junction& junction = cracks_.junctions()[k];
-    for (const CellCut& cut : cuts)
-      if (cut.crack == junction.crack && cut.cell < mesh_.owned_cells() && has(cut.cell, junction.other) &&
-          depth_in(mesh_, cut.cell, junction.at) >= -4.0 * tolerance)
-        met.push_back(k);
+  for (const Index node : nodes_passed_twice(view, cuts))
+    if (node < mesh_.owned_vertices()) {
+      free.emplace_back();
+      free.back().fill(mesh_.natural_vertex(node));
+    }
+  nodes_ = gather_all(mesh_.comm(), sure);
+  free = gather_all(mesh_.comm(), free);
+  if (!free.empty()) {
+    std::vector<Index> asked, touched; // nodes of free cells, of patches too
+    for (const std::array<Index, 4>& nodes : free) asked.insert(asked.end(), nodes.begin(), nodes.end());
+    sort_unique(asked);
+    for (Index c = 0; c < mesh_.owned_cells(); ++c)
+      if (!is_element(mesh_, c))
+        for (const Index node : natural_nodes(mesh_, c))
+          if (std::ranges::binary_search(asked, node)) touched.push_back(node);
+    touched = gather_all(mesh_.comm(), touched);
+    sort_unique(touched);
+    for (const std::array<Index, 4>& nodes : free)
+      if (std::ranges::none_of(nodes, [&](Index node) { return std::ranges::binary_search(touched, node); }))
+        nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
   }
-  open = gather_all(mesh_.comm(), open);
-  met = gather_all(mesh_.comm(), met);
-  std::erase_if(open, [&](std::size_t k) { return std::ranges::find(met, k) != met.end(); });
-  if (open.empty()) return;
-  const crack::Junction& first = cracks_.junctions()[*std::ranges::min_element(open)];
-  throw UserError(fmt::format("crack {} ends on crack {} inside an element, {}, and the two do not part it: give one "
-                              "line through both, refine the mesh, or put a patch there",
-                              first.crack + 1, first.other + 1, frame.text(first.at)));
-}
-
-void JunctionZone::find_nodes(std::span<const CellCut> cuts)
-{
-  for (std::size_t i = 0; i < cuts.size(); ++i) {
-    const bool more = (i > 0 && cuts[i - 1].cell == cuts[i].cell) || !of_cell(ends_, cuts[i].cell).empty();
-    if (more) add_nodes(mesh_, cuts[i].cell, nodes_);
-  }
-  for (const PieceCut& end : ends_) add_nodes(mesh_, end.cell, nodes_);
-  nodes_ = gather_all(mesh_.comm(), nodes_);
-  std::ranges::sort(nodes_);
-  nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
+  sort_unique(nodes_);
 }
 
 void JunctionZone::refuse_patches(const geom::Frame& frame) const
@@ -139,25 +112,21 @@ void JunctionZone::part(std::span<const CellCut> cuts, const Snaps& snapped, dou
   for (Index c = 0; c < mesh_.owned_cells(); ++c) {
     const auto& vertices = mesh_.cell(c);
     if (!is_element(mesh_, c) || std::ranges::none_of(vertices, [&](Index v) { return has_node(v); })) continue;
-    ZoneCell cell{mesh_.natural_cell(c), {}, {}};
+    ZoneCell cell{mesh_.natural_cell(c), natural_nodes(mesh_, c), {}};
     for (std::size_t a = 0; a < 4; ++a) {
-      cell.nodes[a] = mesh_.natural_vertex(vertices[a]);
       cell.places[2 * a] = mesh_.point(vertices[a]).x();
       cell.places[2 * a + 1] = mesh_.point(vertices[a]).y();
     }
     cells.push_back(cell);
-    for (const CellCut& cut : of_cell(cuts, c)) {
+    for (const CellCut& cut : run_of(cuts, c, &CellCut::cell)) {
       const std::optional<Side>& side = snapped[static_cast<std::size_t>(&cut - cuts.data())];
-      of_cells.push_back({cell.natural, cut.crack, -1, -1, side ? static_cast<int>(step(*side)) : 0, cut.distance, {}});
+      of_cells.push_back({cell.natural, cut.crack, side ? static_cast<int>(step(*side)) : 0, cut.distance});
     }
-    for (const PieceCut& end : of_cell(ends_, c))
-      of_cells.push_back({cell.natural, end.crack, end.entry, end.other, 0, end.distance, {end.end.x(), end.end.y()}});
   }
   cells = gather_all(mesh_.comm(), cells);
   of_cells = gather_all(mesh_.comm(), of_cells);
   std::ranges::sort(cells, {}, &ZoneCell::natural);
-  std::ranges::sort(of_cells, {},
-                    [](const ZoneCut& cut) { return std::tuple(cut.natural, cut.entry >= 0, cut.crack); });
+  std::ranges::sort(of_cells, {}, [](const ZoneCut& cut) { return std::pair(cut.natural, cut.crack); });
 
   std::map<Index, Index> node_of; // by natural number
   for (const ZoneCell& cell : cells)
@@ -182,12 +151,12 @@ void JunctionZone::part(std::span<const CellCut> cuts, const Snaps& snapped, dou
     corners.push_back(at);
   }
   std::vector<PieceCut> all;
-  for (const ZoneCut& cut : of_cells) {
-    const std::optional<Side> side = cut.snapped ? std::optional(side_of(cut.snapped)) : std::nullopt;
-    all.push_back(
-        {cell_of.at(cut.natural), cut.crack, cut.distance, side, cut.entry, cut.other, {cut.end[0], cut.end[1]}});
-  }
-  pieces_ = cut_in_pieces({corners, points, active}, all, least_share, cracks_.size());
+  for (const ZoneCut& cut : of_cells)
+    all.push_back({cell_of.at(cut.natural), cut.crack, cut.distance,
+                   cut.snapped ? std::optional(side_of(cut.snapped)) : std::nullopt});
+  std::vector<Index> copied;
+  for (const Index node : nodes_) copied.push_back(node_of.at(node));
+  pieces_ = cut_in_pieces({corners, points, active}, all, copied, cracks_, least_share, tolerance_);
   for (CopiedNode& node : pieces_.nodes) {
     node.node = natural[static_cast<std::size_t>(node.node)];
     for (const NodeCopy& copy : node.copies) codes_ = std::max(codes_, copy.code + 1);

@@ -5,23 +5,24 @@
 #include "pdx/xfem/pieces.hpp"
 
 namespace pdx::xfem {
-/// How far x is inside a cell; below 0 outside [m].
-double depth_in(const mesh::Mesh& mesh, Index cell, const Vector<2>& x);
+/// Is a cell neither a patch's nor one of points?
+inline bool is_element(const mesh::Mesh& mesh, Index cell)
+{
+  return mesh.use(cell) != mesh::Use::covered && mesh.use(cell) != mesh::Use::points;
+}
 
-/// A crack that comes into a cell and ends there on another.
-struct EndCut {
-  std::size_t junction; ///< its number in the CrackSet
-  PieceCut cut;
-};
-
-/// The cells around nodes of cells that several cracks cut, and what becomes of them. The same on every rank.
+/// The cells around nodes of cells in which cracks meet or bend, and what becomes of them. The same on every rank.
 class JunctionZone {
 public:
-  /// Finds the nodes. Throws UserError for an end on another crack that no cell has both cracks of, and for nodes that
-  /// are a patch's too. Collective.
-  /// @param cuts cracks that run through local active cells, ascending by cell
-  JunctionZone(const mesh::Mesh& mesh, const crack::CrackSet& cracks, std::span<const CellCut> cuts,
-               std::span<const EndCut> ends, double tolerance, const geom::Frame& frame);
+  /// Finds the nodes: of cells that several cracks part, and, as far as no patch touches them, of cells that one bends
+  /// in or that several meet on the border of, and nodes that one passes twice. Throws UserError for nodes that are a
+  /// patch's too. Collective.
+  /// @param view its active cells are the local elements   @param near owned elements, ascending by cell
+  /// @param cuts cracks that run through local elements, ascending by cell   @param tolerance what is nearer is one
+  /// place [m]
+  JunctionZone(const mesh::Mesh& mesh, const crack::CrackSet& cracks, const MeshView& view,
+               std::span<const NearCell> near, std::span<const CellCut> cuts, double tolerance,
+               const geom::Frame& frame);
   bool empty() const { return nodes_.empty(); }
   /// Parts the cells, once it is known which are snapped. Collective.
   void part(std::span<const CellCut> cuts, const Snaps& snapped, double least_share);
@@ -34,14 +35,12 @@ public:
   int codes() const { return codes_; }          ///< of sets are below this number
 
 private:
-  void refuse_ends(std::span<const CellCut> cuts, std::span<const EndCut> ends, double tolerance,
-                   const geom::Frame& frame);
   void refuse_patches(const geom::Frame& frame) const;
-  void find_nodes(std::span<const CellCut> cuts);
+  void find_nodes(const MeshView& view, std::span<const NearCell> near, std::span<const CellCut> cuts);
 
   const mesh::Mesh& mesh_;
   const crack::CrackSet& cracks_;
-  std::vector<PieceCut> ends_;       // that count, ascending by cell
+  double tolerance_;
   std::vector<Index> nodes_;         // natural numbers, ascending
   Pieces pieces_;                    // by places in the gathered cells, and nodes
   std::vector<Index> place_of_cell_; // per local cell: in pieces_.cells, -1 for none

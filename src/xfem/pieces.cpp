@@ -3,7 +3,7 @@
 #include "parted_cells.hpp"
 #include "pdx/base/joined.hpp"
 #include "pdx/base/run_of.hpp"
-#include "pdx/mesh/locate.hpp"
+#include "plane.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,15 +14,7 @@
 namespace pdx::xfem {
 namespace {
 constexpr double kClearOf = 0.01; // of the way to a body's middle: more than places are rounded by
-
-int next_edge(int edge) { return (edge + 1) % 4; }
-
-Vector<2> middle_of(const geom::Polygon& outline)
-{
-  Vector<2> sum = Vector<2>::Zero();
-  for (const Vector<2>& x : outline) sum += x;
-  return sum / static_cast<double>(outline.size());
-}
+constexpr double kSmall = 1e-3;   // of the largest outline of a body: no place for it
 
 /// The place of a convex outline that is nearest to x.
 Vector<2> nearest_in(const geom::Polygon& outline, const Vector<2>& x)
@@ -66,14 +58,14 @@ struct Body {
 
 class Copies {
 public:
-  Copies(const MeshView& view, std::span<const PieceCut> cuts, double least_share, int cracks)
-      : view_(view), least_share_(least_share), cracks_(cracks)
+  Copies(const MeshView& view, std::span<const PieceCut> cuts, std::span<const Index> nodes,
+         const crack::CrackSet& cracks, double least_share, double tolerance)
+      : view_(view), cracks_(cracks), net_(view, cracks, tolerance), least_share_(least_share), tolerance_(tolerance)
   {
+    for (const Index node : nodes) around_[node];
     for (const Index c : view.active) {
-      const std::span<const PieceCut> of_cell = run_of(cuts, c, &PieceCut::cell);
-      cells_.emplace_back(c, view.corners(c), of_cell);
-      if (of_cell.size() < 2) continue;
-      for (const Index node : nodes_of(c)) around_[node];
+      const bool within = std::ranges::all_of(nodes_of(c), [&](Index node) { return around_.contains(node); });
+      cells_.emplace_back(net_, cells_.size(), c, view.corners(c), run_of(cuts, c, &PieceCut::cell), cracks, !within);
     }
     for (std::size_t k = 0; k < cells_.size(); ++k)
       for (int corner = 0; corner < 4; ++corner)
@@ -85,13 +77,7 @@ public:
   Pieces make()
   {
     std::map<Index, int> lost;
-    for (bool quiet = false; !quiet;) {
-      quiet = true;
-      for (const auto& [node, support] : around_) {
-        const int given_up = give_up_slivers(bodies_of(node, support));
-        lost[node] += given_up;
-        quiet = quiet && given_up == 0;
-      }
+    while (give_up_slivers(lost)) {
     }
     Pieces all;
     std::map<std::size_t, std::vector<std::array<int, 4>>> sets; // of each part of a cell
@@ -106,37 +92,41 @@ public:
             if (at.cell == cell)
               sets[cell][static_cast<std::size_t>(part)][static_cast<std::size_t>(at.corner)] = codes[b];
         if (codes[b] < 0) continue;
-        const Side side = codes[b] < cracks_ ? side_of_node(support, codes[b]) : Side::minus;
+        const Side side = codes[b] < cracks_.size() ? side_of_node(node, codes[b]) : Side::minus;
         copied.copies.push_back({codes[b], side, place_in(bodies[b], node)});
       }
       std::ranges::sort(copied.copies, {}, &NodeCopy::code);
       all.nodes.push_back(std::move(copied));
     }
-    for (std::size_t k = 0; k < cells_.size(); ++k)
-      if (!cells_[k].cuts().empty()) all.cells.push_back(pieces_of(cells_[k], sets[k]));
+    for (std::size_t k = 0; k < cells_.size(); ++k) {
+      const bool is_plain = std::ranges::all_of(
+          sets[k], [](const auto& set) { return std::ranges::all_of(set, [](int code) { return code < 0; }); });
+      if (!is_plain || !cells_[k].cuts().empty() || cells_[k].parts().size() > 1)
+        all.cells.push_back(pieces_of(cells_[k], sets[k]));
+    }
     return all;
   }
 
 private:
   using Support = std::vector<SupportCell>;
+  using PlacedPart = std::pair<std::size_t, int>; // cell, part
   const std::array<Index, 4>& nodes_of(Index cell) const { return view_.cells[static_cast<std::size_t>(cell)]; }
   const Vector<2>& point(Index node) const { return view_.points[static_cast<std::size_t>(node)]; }
 
-  /// The bodies of a node's support, those that hold the node first, then in order of cells and parts.
+  /// The bodies of a node's support, that which holds the node first, then in order of cells and parts.
   std::vector<Body> bodies_of(Index node, const Support& support) const
   {
-    std::vector<std::pair<std::size_t, int>> parts;
-    std::map<std::pair<std::size_t, int>, std::size_t> number;
+    std::vector<PlacedPart> parts;
+    std::map<PlacedPart, std::size_t> number;
     for (const SupportCell& at : support)
       for (std::size_t p = 0; p < cells_[at.cell].parts().size(); ++p) {
-        if (!cells_[at.cell].parts()[p].is_own()) continue;
+        if (cells_[at.cell].parts()[p].taken_by >= 0) continue;
         number[{at.cell, static_cast<int>(p)}] = parts.size();
         parts.emplace_back(at.cell, static_cast<int>(p));
       }
+    const std::vector<bool> is_at = parts_at(node, support, number);
     Joined joined(parts.size());
-    for (std::size_t i = 0; i < support.size(); ++i)
-      for (std::size_t j = i + 1; j < support.size(); ++j)
-        join_along_edges(support[i].cell, support[j].cell, number, joined);
+    join_along_edges(support, number, joined);
     std::vector<Body> bodies;
     std::map<std::size_t, std::size_t> body_of; // by root
     for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -144,15 +134,10 @@ private:
       if (fresh) bodies.emplace_back();
       bodies[at->second].parts.push_back(parts[k]);
       bodies[at->second].area += area_of(parts[k]);
+      bodies[at->second].home = bodies[at->second].home || is_at[k];
     }
-    for (const SupportCell& at : support)
-      for (const bool behind : {false, true}) { // the two edges at the node
-        const int edge = behind ? (at.corner + 3) % 4 : at.corner;
-        const int part = at_corner(cells_[at.cell], edge, behind);
-        if (part >= 0) bodies[body_of.at(joined.root(number.at({at.cell, part})))].home = true;
-      }
     choose_home(bodies);
-    for (Body& body : bodies) note_cracks(body, node, support);
+    for (Body& body : bodies) note_cracks(body, node);
     return bodies;
   }
 
@@ -167,62 +152,55 @@ private:
     std::ranges::stable_sort(bodies, [](const Body& a, const Body& b) { return a.home && !b.home; });
   }
 
-  double area_of(const std::pair<std::size_t, int>& part) const
+  double area_of(const PlacedPart& part) const
   {
     const PartedCell& cell = cells_[part.first];
     double sum = 0.0;
     for (std::size_t p = 0; p < cell.parts().size(); ++p)
-      if (cell.mover_of(static_cast<int>(p)) == part.second) sum += geom::area(cell.parts()[p].outline);
+      if (cell.mover_of(static_cast<int>(p)) == part.second) sum += cell.parts()[p].area;
     return sum;
   }
 
-  /// The part of a cell at the very begin or end of an edge.
-  static int at_corner(const PartedCell& cell, int edge, bool end)
+  /// Which parts touch the node along an edge.
+  std::vector<bool> parts_at(Index node, const Support& support, const std::map<PlacedPart, std::size_t>& number) const
   {
-    const std::vector<double>& at = cell.crossings(edge);
-    if (at.empty()) return cell.part_at(edge, 0.5);
-    return cell.part_at(edge, end ? 0.5 * (at.back() + 1.0) : 0.5 * at.front());
+    std::vector<bool> is_at(number.size(), false);
+    for (const SupportCell& at : support)
+      for (const PartedCell::Share& share : cells_[at.cell].border())
+        if (const auto part = number.find({at.cell, share.part});
+            part != number.end() && share.held && (share.from == node || share.to == node))
+          is_at[part->second] = true;
+    return is_at;
   }
 
-  void join_along_edges(std::size_t one, std::size_t two,
-                        const std::map<std::pair<std::size_t, int>, std::size_t>& number, Joined& joined) const
+  void join_along_edges(const Support& support, const std::map<PlacedPart, std::size_t>& number, Joined& joined) const
   {
-    const PartedCell &a = cells_[one], &b = cells_[two];
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j) {
-        const auto &of_a = nodes_of(a.cell()), &of_b = nodes_of(b.cell());
-        const auto at = [](int k) { return static_cast<std::size_t>(k); };
-        if (of_a[at(i)] != of_b[at(next_edge(j))] || of_a[at(next_edge(i))] != of_b[at(j)]) continue;
-        std::vector<double> cuts{0.0, 1.0};
-        cuts.insert(cuts.end(), a.crossings(i).begin(), a.crossings(i).end());
-        for (const double t : b.crossings(j)) cuts.push_back(1.0 - t);
-        std::ranges::sort(cuts);
-        for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
-          if (cuts[k + 1] - cuts[k] < kSamePlace) continue; // one crossing, seen from both cells
-          const double middle = 0.5 * (cuts[k] + cuts[k + 1]);
-          const int p = a.part_at(i, middle), q = b.part_at(j, 1.0 - middle);
-          if (p >= 0 && q >= 0) joined.join(number.at({one, p}), number.at({two, q}));
-        }
+    std::map<std::pair<int, int>, std::size_t> held; // by vertices
+    for (const SupportCell& at : support)
+      for (const PartedCell::Share& share : cells_[at.cell].border()) {
+        const auto part = number.find({at.cell, share.part});
+        if (part == number.end() || share.open || !share.held) continue;
+        held[{share.from, share.to}] = part->second;
+        if (const auto other = held.find({share.to, share.from}); other != held.end())
+          joined.join(part->second, other->second);
       }
   }
-  static constexpr double kSamePlace = 1e-10; // of an edge: one crossing, as either cell rounds it
 
-  Side side_of_node(const Support& support, int crack) const
+  /// As `crack::find_cuts` sees nodes.
+  Side side_of_node(Index node, int crack) const
   {
-    for (const SupportCell& at : support)
-      for (const PieceCut& cut : cells_[at.cell].cuts())
-        if (cut.crack == crack) return side_of(cut.distance[static_cast<std::size_t>(at.corner)]);
-    return Side::minus;
+    const double distance = cracks_.signed_distance(crack, point(node));
+    return std::abs(distance) <= tolerance_ ? Side::plus : side_of(distance);
   }
 
   /// Cracks between a body and its node.
-  void note_cracks(Body& body, Index, const Support& support) const
+  void note_cracks(Body& body, Index node) const
   {
     if (body.home) return;
     std::set<int> across;
     for (const auto& [cell, part] : body.parts)
       for (const auto& [crack, side] : cells_[cell].parts()[static_cast<std::size_t>(part)].sides)
-        if (side != side_of_node(support, crack)) across.insert(crack);
+        if (side != side_of_node(node, crack)) across.insert(crack);
     body.across.assign(across.begin(), across.end());
   }
 
@@ -230,7 +208,7 @@ private:
   std::vector<int> name(const std::vector<Body>& bodies) const
   {
     std::vector<int> codes;
-    int further = cracks_;
+    int further = cracks_.size();
     for (const Body& body : bodies) {
       const bool alone = body.across.size() == 1 && std::ranges::count(bodies, body.across, &Body::across) == 1;
       codes.push_back(body.home ? -1 : alone ? body.across[0] : further++);
@@ -238,27 +216,47 @@ private:
     return codes;
   }
 
-  /// What has too little of a support goes with its neighbour in the cell. How many bodies did so.
-  int give_up_slivers(const std::vector<Body>& bodies)
+  /// What has too little of a support goes with its neighbour in the cell. All nodes are judged before anything moves,
+  /// so that their order does not matter. False: nothing has too little.
+  bool give_up_slivers(std::map<Index, int>& lost)
   {
-    double total = 0.0;
-    for (const Body& body : bodies) total += body.area;
-    int given_up = 0;
-    for (const Body& body : bodies) {
-      if (!(body.area < least_share_ * total)) continue;
-      bool any = false;
-      for (const auto& [cell, part] : body.parts) {
-        const int neighbour = cells_[cell].neighbour_of(part);
-        if (neighbour < 0) continue;
-        cells_[cell].parts()[static_cast<std::size_t>(part)].taken_by = neighbour;
-        any = true;
+    std::map<std::size_t, std::set<int>> wanted;        // parts of cells
+    std::vector<std::pair<Index, PlacedPart>> of_nodes; // first parts of bodies
+    for (const auto& [node, support] : around_) {
+      const std::vector<Body> bodies = bodies_of(node, support);
+      double total = 0.0;
+      for (const Body& body : bodies) total += body.area;
+      for (const Body& body : bodies) {
+        if (!(body.area < least_share_ * total)) continue;
+        for (const auto& [cell, part] : body.parts) wanted[cell].insert(part);
+        of_nodes.emplace_back(node, body.parts.front());
       }
-      given_up += any;
     }
-    return given_up;
+    bool any = false;
+    for (const auto& [cell, parts] : wanted) {
+      std::vector<int> left, going(parts.begin(), parts.end());
+      for (std::size_t p = 0; p < cells_[cell].parts().size(); ++p)
+        if (cells_[cell].parts()[p].taken_by < 0 && !parts.contains(static_cast<int>(p)))
+          left.push_back(static_cast<int>(p));
+      for (bool more = true; more;) { // those beside what stays first, then those beside them
+        more = false;
+        std::vector<std::pair<int, int>> taken;
+        for (const int part : going)
+          if (const int by = cells_[cell].neighbour_of(part, left); by >= 0) taken.emplace_back(part, by);
+        for (const auto& [part, by] : taken) {
+          cells_[cell].take(part, by);
+          left.push_back(part);
+          std::erase(going, part);
+          any = more = true;
+        }
+      }
+    }
+    for (const auto& [node, first] : of_nodes)
+      lost[node] += cells_[first.first].parts()[static_cast<std::size_t>(first.second)].taken_by >= 0;
+    return any;
   }
 
-  /// Corners of nodes that are no node of a cell with several cracks: across the one crack of their cell.
+  /// Corners of nodes without copies: across the one crack of their cell.
   static std::vector<std::array<int, 4>> sets_of_sides(const PartedCell& cell)
   {
     std::vector<std::array<int, 4>> sets(cell.parts().size(), {-1, -1, -1, -1});
@@ -271,66 +269,75 @@ private:
     return sets;
   }
 
+  /// A place in a body, clear of its border, the nearest to the node but for what is small.
   Vector<2> place_in(const Body& body, Index node) const
   {
     const Vector<2>& x = point(node);
+    double largest = 0.0;
+    const auto visit_outlines = [&](const auto& visit) {
+      for (const auto& [cell, part] : body.parts)
+        for (const geom::Polygon& outline : cells_[cell].parts()[static_cast<std::size_t>(part)].outlines)
+          visit(outline);
+    };
+    visit_outlines([&](const geom::Polygon& outline) { largest = std::max(largest, geom::area(outline)); });
     const geom::Polygon* nearest = nullptr;
     Vector<2> best = x;
     double least = std::numeric_limits<double>::infinity();
-    for (const auto& [cell, part] : body.parts) {
-      const geom::Polygon& outline = cells_[cell].parts()[static_cast<std::size_t>(part)].outline;
+    visit_outlines([&](const geom::Polygon& outline) {
       const Vector<2> at = nearest_in(outline, x);
-      if ((at - x).norm() >= least) continue;
+      if (geom::area(outline) < kSmall * largest || (at - x).norm() >= least) return;
       least = (at - x).norm();
       best = at;
       nearest = &outline;
+    });
+    const Vector<2> inward = middle_of(*nearest) - best;
+    const double clear = kClearOf * inward.norm();
+    if (least > kClearOf * clear) {
+      const Vector<2> further = best + clear / least * (best - x);
+      if (is_in(*nearest, further, -kClearOf * clear)) return further;
     }
-    const Vector<2> middle = middle_of(*nearest);
-    const double clear = kClearOf * (middle - best).norm();
-    const Vector<2> further = best + clear / std::max(least, 1e-6 * clear) * (best - x);
-    return is_in(*nearest, further, 1e-6 * clear) ? further : best + kClearOf * (middle - best);
+    return best + kClearOf * inward;
   }
 
   static PiecedCell pieces_of(const PartedCell& cell, const std::vector<std::array<int, 4>>& sets)
   {
     PiecedCell all{cell.cell(), {}};
     std::map<int, std::size_t> number; // by part
+    const bool one_crack = cell.cuts().size() == 1 && cell.parting().size() <= 1 && cell.parts().size() <= 2;
     for (std::size_t p = 0; p < cell.parts().size(); ++p) {
-      if (!cell.parts()[p].is_own()) continue;
+      const CellPart& part = cell.parts()[p];
+      if (part.taken_by >= 0) continue;
       number[static_cast<int>(p)] = all.pieces.size();
       Piece piece;
-      piece.outlines.push_back(cell.parts()[p].outline);
+      piece.outlines = part.outlines;
       piece.set = sets[p];
-      if (cell.cuts().size() == 1) piece.side = cell.parts()[p].side_of_crack(cell.cuts()[0].crack);
+      if (one_crack) piece.side = part.side_of_crack(cell.cuts()[0].crack);
       all.pieces.push_back(std::move(piece));
     }
+    const auto piece_of = [&](int part) -> Piece& { return all.pieces[number.at(cell.mover_of(part))]; };
     for (std::size_t p = 0; p < cell.parts().size(); ++p)
-      if (!cell.parts()[p].is_own())
-        all.pieces[number.at(cell.mover_of(static_cast<int>(p)))].outlines.push_back(cell.parts()[p].outline);
-    for (int edge = 0; edge < 4; ++edge) {
-      std::vector<double> at{0.0};
-      at.insert(at.end(), cell.crossings(edge).begin(), cell.crossings(edge).end());
-      at.push_back(1.0);
-      for (std::size_t k = 0; k + 1 < at.size(); ++k)
-        if (at[k + 1] > at[k]) {
-          const int mover = cell.mover_of(cell.owner_at(edge, 0.5 * (at[k] + at[k + 1])));
-          all.pieces[number.at(mover)].edges.push_back({edge, at[k], at[k + 1]});
-        }
-    }
+      if (const CellPart& part = cell.parts()[p]; part.taken_by >= 0) {
+        std::vector<geom::Polygon>& outlines = piece_of(static_cast<int>(p)).outlines;
+        outlines.insert(outlines.end(), part.outlines.begin(), part.outlines.end());
+      }
+    for (const PartedCell::Share& share : cell.border())
+      if (share.end > share.begin) piece_of(share.part).edges.push_back({share.edge, share.begin, share.end});
     return all;
   }
 
   const MeshView& view_;
-  double least_share_;
-  int cracks_;
+  const crack::CrackSet& cracks_;
+  CrackNet net_;
+  double least_share_, tolerance_;
   std::vector<PartedCell> cells_;
-  std::map<Index, Support> around_; // nodes of cells with several cracks
+  std::map<Index, Support> around_; // nodes with copies
 };
 } // namespace
 
-Pieces cut_in_pieces(const MeshView& view, std::span<const PieceCut> cuts, double least_share, int cracks)
+Pieces cut_in_pieces(const MeshView& view, std::span<const PieceCut> cuts, std::span<const Index> nodes,
+                     const crack::CrackSet& cracks, double least_share, double tolerance)
 {
-  return Copies(view, cuts, least_share, cracks).make();
+  return Copies(view, cuts, nodes, cracks, least_share, tolerance).make();
 }
 
 EnrichedElement piece_element(const fem::Corners& corners, const Piece& piece, const std::array<double, 4>& factor)

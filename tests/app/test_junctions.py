@@ -63,14 +63,27 @@ class Junctions(program.ProgramTest):
         self.assertIn("a part of the body", run.err)
         self.assertEqual(run.err.count("\n"), 1, run.err)
 
-    def test_a_meeting_that_all_but_lies_on_an_edge_is_told(self):
-        # Of 12 x 12 elements an edge is at x = 0.25; what is nearer than rounding is on it.
-        for beside, told in (("0.2500000001", 1), ("0.250000000001", 0), ("0.26", 0)):
+    def test_a_meeting_may_lie_anywhere_beside_an_edge(self):
+        # Of 12 x 12 elements an edge is at x = 0.25. What is pulled up takes nothing along: the cracks part all of it.
+        for beside in ("0.25", "0.250000000001", "0.2500000001", "0.25000001", "0.2501", "0.26"):
             cracks = {"-mesh_cells": "12,12", "-crack_through_points": f"0,0.62,{beside},0.49,1,0.4",
-                      "-crack_branch_points": f"0.05,0,{beside},0.49"}
-            run = self.launch(Y | cracks | {"-bc_names": "low,high", "-bc_low_on": "bottom", "-bc_low_displacement": "0,0",
-                                            "-bc_high_on": "top", "-bc_high_displacement": "0,1e-3"})
-            self.assertEqual(run.err.count("so near to the border of an element"), told, run.err)
+                      "-crack_branch_points": f"0.05,0,{beside},0.49"}  # fmt: skip
+            held = {"-bc_names": "low,high,rest", "-bc_low_on": "bottom", "-bc_low_displacement": "0,0",
+                    "-bc_high_on": "top", "-bc_high_displacement": "0,1e-3", "-bc_rest_box": "-1,0.1,0.02,0.4",
+                    "-bc_rest_displacement": "0,0"}  # fmt: skip
+            run = self.solve(Y | cracks | held)
+            self.assertEqual(run.err, "")
+            self.assertLess(abs(run.summary["results"]["strain_energy"]), 1e-9, beside)  # of some 1e3 J
+
+    def test_a_branch_within_one_element_parts_nothing(self):
+        held = {"-bc_names": "low,high", "-bc_low_on": "bottom", "-bc_low_displacement": "0,0", "-bc_high_on": "top",
+                "-bc_high_displacement": "0,1e-3"}  # fmt: skip
+        short = {"-crack_through_points": "0,0.52,0.6,0.52", "-crack_branch_points": "0.52,0.52,0.52,0.54"}
+        alone = {"-crack_names": "through", "-crack_branch_points": None} | {"-crack_through_points": "0,0.52,0.6,0.52"}
+        with_branch, without = (self.launch(Y | held | cracks) for cracks in (short, alone))
+        self.assertIn("the crack tip at (0.52, 0.54) ends in elements", with_branch.err)
+        a, b = (run.summary["results"]["strain_energy"] for run in (with_branch, without))
+        self.assertLess(abs(a / b - 1.0), 1e-9)
 
     def test_a_crossing_is_solved_on_any_number_of_ranks(self):
         # On 3 ranks sweeps of multigrid were not definite.

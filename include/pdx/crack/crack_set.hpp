@@ -48,6 +48,8 @@ public:
   int size() const { return static_cast<int>(cracks_.size()); }
   bool empty() const { return cracks_.empty(); }
   const Polyline& points(int crack) const { return cracks_[static_cast<std::size_t>(crack)].given; } ///< as given
+  /// The same with mouths, and ends on other cracks, prolonged.
+  const Polyline& seen(int crack) const { return cracks_[static_cast<std::size_t>(crack)].seen; }
   std::span<const Tip> tips() const { return tips_; }
   std::span<const Junction> junctions() const { return junctions_; }
   double length(int crack) const; ///< as given [m]

@@ -33,9 +33,6 @@ struct CutReport {
   Index cells = 0, sets = 0;
   Index dropped = 0;             ///< nodes left without a set because a side has too little of their support
   std::vector<Vector<2>> closed; ///< tips that end in elements: the crack closes at the last cut edge before them [m]
-  /// Places where cracks meet so near to the border of an element, and not on it, that what they part may stay joined;
-  /// each once, by junctions [m].
-  std::vector<Vector<2>> near;
 };
 
 /// Which cells of a distributed mesh the cracks cut, and which enriched sets its nodes have [XPD1 Eqs. 10-12]. The
@@ -44,9 +41,9 @@ class EnrichedSets {
 public:
   /// Cuts the plain cells (Use::cut from then on; covered ones stay as they are: bonds carry their cracks, and a crack
   /// that runs on into one is open where it leaves the elements). A crack within 1e-9 of the mesh's smallest edge of a
-  /// node passes on the node's right. Where several cut a cell, or one ends on another in it, nodes have copies by
-  /// pieces (`cut_in_pieces`). Throws UserError where such a cell touches a patch, or an end has no cell with both
-  /// cracks. `cracks` must outlive this. Collective.
+  /// node passes on the node's right. Where several part a cell or meet on its border, or one bends in it, nodes have
+  /// copies by pieces (`cut_in_pieces`), but for cells with one crack that touch a patch: there it is straight. Throws
+  /// UserError where a cell that several part touches a patch. `cracks` must outlive this. Collective.
   EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, const EnrichmentRule& rule,
                const geom::Frame& frame = {});
 

@@ -136,6 +136,10 @@ private:
     for (const xfem::CutElement& cut : sets.cells())
       for (std::size_t a = 0; a < 4; ++a) {
         const Index v = mesh.cell(cut.cell)[a];
+        if (cut.piece) {
+          if (!sets.of(v).empty()) side[static_cast<std::size_t>(v)] = sets.of(v)[0].side;
+          continue;
+        }
         side[static_cast<std::size_t>(v)] = cut.snapped && sets.of(v).empty() ? *cut.snapped : cut.element.side[a];
       }
     return side;

@@ -49,7 +49,10 @@ void expect_the_same_on_one_rank(const CutBodyOptions& options, const char* what
 {
   SCOPED_TRACE(what);
   const Picture mine = picture(CutBody(options));
-  EXPECT_EQ(mine.report_cells, static_cast<Index>(mine.cells.size()));
+  std::vector<int> cells; // some are in pieces
+  for (const Mark& mark : mine.cells)
+    if (cells.empty() || cells.back() != mark[0]) cells.push_back(mark[0]);
+  EXPECT_EQ(mine.report_cells, static_cast<Index>(cells.size()));
   EXPECT_EQ(mine.report_sets, static_cast<Index>(mine.sets.size()));
   int rank = 0;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);

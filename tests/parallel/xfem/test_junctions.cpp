@@ -226,8 +226,33 @@ TEST(Junctions, EnergyIsThatOfTheBodiesAlone)
   EXPECT_NEAR(body.energy(u), expected, 1e-10 * expected);
 }
 
-TEST(Junctions, AnEndThatNothingPartsIsRefused)
+TEST(Junctions, AnEndThatNothingPartsPartsNothing)
 {
-  EXPECT_THROW(CutBody(options_of({{{0.41, 0.4}, {0.41, 0.45}}, {{0.41, 0.45}, {0.45, 0.45}}}, 4)), UserError);
+  const CutBody body(options_of({{{0.41, 0.4}, {0.41, 0.45}}, {{0.41, 0.45}, {0.45, 0.45}}}, 4));
+  EXPECT_EQ(body.sets.report().cells, 0);
+  EXPECT_EQ(body.sets.report().sets, 0);
+  EXPECT_EQ(body.sets.report().closed.size(), 2u); // and is told
+}
+
+TEST(Junctions, TwoCracksPartACellTogetherThatNeitherRunsThrough)
+{
+  const CutBody body(options_of({{{0.0, 0.42}, {0.4, 0.41}}, {{1.0, 0.83}, {0.4, 0.41}}}, 4));
+  std::vector<double> u(static_cast<std::size_t>(2 * body.rows.owned()), 0.0);
+  for (Index v = 0; v < body.mesh.owned_vertices(); ++v) // what lies above is lifted
+    for (std::size_t k = 0; k <= body.sets.of(v).size(); ++k) {
+      const xfem::EnrichedSet* set = k ? &body.sets.of(v)[k - 1] : nullptr;
+      const auto lifted = [](const Vector<2>& x) {
+        const double crack = x.x() < 0.4 ? 0.42 - 0.025 * x.x() : 0.41 + 0.7 * (x.x() - 0.4);
+        return x.y() > crack ? 1.0 : 0.0;
+      };
+      const double own = lifted(body.mesh.point(v));
+      const double value =
+          set ? (lifted(place_of(body, v, *set)) - own) / xfem::shifted_step(xfem::opposite(set->side), set->side)
+              : own;
+      const PetscInt row = set ? set->row : body.node_rows[static_cast<std::size_t>(v)];
+      u[static_cast<std::size_t>(2 * (row - body.rows.first) + 1)] = value;
+    }
+  EXPECT_GT(body.sum(static_cast<double>(body.sets.owned())), 0.0);
+  EXPECT_LT(body.energy(u), 1e-20); // of some 1 were it one body
 }
 } // namespace pdx::test::junctions
