@@ -11,11 +11,11 @@ StagedElimination::StagedElimination(const ElementsOfLayout& elements, std::shar
                                      std::vector<double>& condensed)
 {
   LastingCore::Change change;
-  if (core && *core) change = (*core)->go_to(elements);
-  if (change.stands && elements.free.size() <= (*core)->inner().size() + kMostBetween) {
-    core_ = *core;
-  } else {
-    if (core) core->reset(); // before there is another
+  if (core) core_ = *core;
+  if (core_) change = core_->go_to(elements);
+  if (!change.stands || elements.free.size() > core_->inner().size() + kMostBetween) {
+    core_.reset(); // before there is another
+    if (core) core->reset();
     core_ = std::make_shared<LastingCore>(elements, change.changed);
     fault_ = core_->fault();
     if (!fault_.empty()) return;

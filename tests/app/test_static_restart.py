@@ -67,8 +67,12 @@ class StaticRestart(program.ProgramTest):
             self.assertAlmostEqual(numbers[name], other_numbers[name], delta=1e-7 * numbers["work"], msg=name)
         a, b = (run.summary["results"] for run in (whole, rest))
         self.assertEqual(a.keys(), b.keys())
-        for name in a.keys() - set(FROM_START):
+        for name in a.keys() - {*FROM_START, "peak_reaction_load"}:
             self.assert_near(a[name], b[name], name)
+        largest = max(map(abs, numbers_in(a["peak_reaction"])))
+        for peak, *loads in zip(*map(numbers_in, (a["peak_reaction"], a["peak_reaction_load"], b["peak_reaction_load"]))):
+            if abs(peak) > 1e-9 * largest:  # of what is 0 the rounding has its peak anywhere
+                self.assertEqual(*loads)
         path, other = (program.rows_of(run.directory / "crack_path.csv") for run in (whole, rest))
         self.assertEqual([row["load"] for row in path], [row["load"] for row in other])
 

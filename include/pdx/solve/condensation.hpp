@@ -3,6 +3,7 @@
 #include "pdx/field/system.hpp"
 
 #include <Eigen/Core>
+#include <memory>
 
 namespace pdx::solve {
 /// Which nodes and enriched sets of a System must stay unknowns if all others are eliminated.

@@ -3,6 +3,8 @@
 #include "pdx/solve/inner_factor.hpp"
 #include "pdx/solve/matrix_rows.hpp"
 
+#include <memory>
+
 namespace pdx::solve {
 /// A node or an enriched set by its number in a System.
 struct NamedRow {
@@ -52,7 +54,8 @@ public:
   /// f - K_BQ u
   std::vector<double> condensed(std::vector<double> f, std::span<const double> u) const
   {
-    return factor_ ? factor_->condensed(std::move(f), u) : f;
+    if (!factor_) return f;
+    return factor_->condensed(std::move(f), u);
   }
 
 private:
