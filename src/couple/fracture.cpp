@@ -25,7 +25,7 @@ std::vector<double> largest(MPI_Comm comm, std::vector<double> mine, std::int64_
 }
 } // namespace
 
-Fracture::Fracture(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, FractureOptions options)
+Fracture::Fracture(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, FractureRule options)
     : bonds_(bonds), carried_(carried), options_(std::move(options)), comm_(bonds.parts().front()->comm())
 {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };

@@ -4,7 +4,7 @@
 
 namespace pdx::couple {
 template <int Dim>
-StepBreaker<Dim>::StepBreaker(pd::BondTerm<Dim>& bonds, CarriedBonds<Dim>* carried, const FractureOptions& options,
+StepBreaker<Dim>::StepBreaker(pd::BondTerm<Dim>& bonds, CarriedBonds<Dim>* carried, const FractureRule& options,
                               Steps steps)
     : bonds_(bonds), carried_(carried), steps_(steps)
 {

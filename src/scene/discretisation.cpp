@@ -149,8 +149,7 @@ void add_fracture(const options::SceneOptions& options, const PatchPlan& plan, D
   const options::FractureOptions& f = options.fracture;
   if (!f.active()) return;
   for (const auto& stencil : plan.stencils) d.critical_stretch.push_back(critical_stretch<2>(options, stencil));
-  const couple::FractureOptions rule{d.critical_stretch, f.no_fail, f.release, f.release_share,
-                                     options.bond_kinematics()};
+  const couple::FractureRule rule{d.critical_stretch, f.no_fail, f.release, f.release_share, options.bond_kinematics()};
   if (options.time.dynamic()) {
     using Steps = couple::StepBreaker<2>::Steps;
     const bool strips = options.time.analysis == options::Analysis::explicit_dynamics;

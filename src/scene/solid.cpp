@@ -92,8 +92,8 @@ void step_explicitly(const options::SceneOptions& options, const SolidPlan& plan
   if (!options.fracture.active()) return bonds.step_explicitly({});
   using Breaker = couple::StepBreaker<3>;
   solid.critical_stretch = {critical_stretch<3>(options, plan.stencil)};
-  const couple::FractureOptions rule{solid.critical_stretch, options.fracture.no_fail, options.fracture.release,
-                                     options.fracture.release_share, options.bond_kinematics()};
+  const couple::FractureRule rule{solid.critical_stretch, options.fracture.no_fail, options.fracture.release,
+                                  options.fracture.release_share, options.bond_kinematics()};
   auto breaker = std::make_unique<Breaker>(bonds, nullptr, rule, Breaker::Steps::in_strips);
   solid.breaker = breaker.get();
   solid.system.after_step.push_back(std::move(breaker));

@@ -220,8 +220,8 @@ void step_explicitly(const options::SceneOptions& options, SpaceModel& space)
   }
   using Breaker = couple::StepBreaker<3>;
   space.critical_stretch.assign(space.plan.shapes.size(), critical_stretch<3>(options, *space.space->stencil));
-  const couple::FractureOptions rule{space.critical_stretch, options.fracture.no_fail, options.fracture.release,
-                                     options.fracture.release_share, options.bond_kinematics()};
+  const couple::FractureRule rule{space.critical_stretch, options.fracture.no_fail, options.fracture.release,
+                                  options.fracture.release_share, options.bond_kinematics()};
   auto breaker = std::make_unique<Breaker>(*space.bonds, space.carried, rule, Breaker::Steps::in_strips);
   space.breaker = breaker.get();
   space.system.after_step.push_back(std::move(breaker));

@@ -11,7 +11,7 @@ namespace pdx::couple {
 /// s / s0, and what is as much stretched to 1e-6, so that symmetric bonds go together.
 enum class Release { all, worst };
 
-struct FractureOptions {
+struct FractureRule {
   std::vector<double> critical_stretch; ///< s0 per patch; bonds with s > s0 break          [-]
   std::vector<geom::Box<2>> no_fail;    ///< lattice bonds with an end in one never break; carried bonds say it
                                         ///< themselves                                     [m]
@@ -27,7 +27,7 @@ public:
   /// After the precrack was cut, once the Terms are bound. Throws UserError for stretches or a share that are not
   /// positive, and for a number of stretches that is not that of the patches.
   /// @param carried may be null; outlive this, as `bonds`
-  Fracture(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, FractureOptions options);
+  Fracture(pd::BondTerm<2>& bonds, CarriedBonds<2>* carried, FractureRule options);
 
   std::int64_t apply(std::span<const double> u) override;
   void save() override;
@@ -45,7 +45,7 @@ private:
 
   pd::BondTerm<2>& bonds_;
   CarriedBonds<2>* carried_;
-  FractureOptions options_;
+  FractureRule options_;
   MPI_Comm comm_;
   pd::Broken now_, saved_;
 };

@@ -24,7 +24,7 @@ public:
   /// overstretched. as_terms: they stay as they are, and all are looked at after each step (collective then).
   enum class Steps { in_strips, as_terms };
   /// As for Fracture; `options.release` is not asked.
-  StepBreaker(pd::BondTerm<Dim>& bonds, CarriedBonds<Dim>* carried, const FractureOptions& options, Steps steps);
+  StepBreaker(pd::BondTerm<Dim>& bonds, CarriedBonds<Dim>* carried, const FractureRule& options, Steps steps);
 
   void apply(std::span<const double> u, field::ForceLosses& losses) override;
   void save() override;

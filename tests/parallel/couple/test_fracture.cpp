@@ -7,7 +7,7 @@
 
 using namespace pdx;
 using couple::Fracture;
-using couple::FractureOptions;
+using couple::FractureRule;
 using couple::Release;
 using couple::Scheme;
 
@@ -30,9 +30,9 @@ Vector<2> opening(const Vector<2>& x)
 /// Strains everything, the interface too.
 Vector<2> wild(const Vector<2>& x) { return 4e-3 * test::noise(7)(x) + Vector<2>(0.03 * x.x(), 0.01 * x.y()); }
 
-FractureOptions all_above(double stretch, pd::Kinematics kinematics = pd::Kinematics::linear)
+FractureRule all_above(double stretch, pd::Kinematics kinematics = pd::Kinematics::linear)
 {
-  FractureOptions options;
+  FractureRule options;
   options.critical_stretch = {stretch};
   options.kinematics = kinematics;
   return options;
@@ -111,7 +111,7 @@ TEST(Fracture, TheSameBondsBreakOnAnyNumberOfRanks)
   for (const Release release : {Release::all, Release::worst}) {
     const auto sample = [release](MPI_Comm comm, int what) {
       test::Scene scene(plate(), false, comm);
-      FractureOptions options = all_above(0.05);
+      FractureRule options = all_above(0.05);
       options.release = release;
       Fracture fracture(*scene.d().bonds, scene.d().carried, options);
       const auto u = scene.blocks(wild);
@@ -146,7 +146,7 @@ TEST(Fracture, BondsAtTheStartAreThoseOfAllRanks)
 TEST(Fracture, WorstBreaksTheMostStretchedAndTheirMirrorImages)
 {
   test::Scene scene(plate());
-  FractureOptions options = all_above(0.02);
+  FractureRule options = all_above(0.02);
   options.release = Release::worst;
   options.release_share = 1e-6; // the one worst bond, and what is like it
   Fracture fracture(*scene.d().bonds, scene.d().carried, options);
@@ -178,7 +178,7 @@ TEST(Fracture, WorstBreaksItsShare)
 {
   const auto broken = [](Release release, double share) {
     test::Scene scene(plate());
-    FractureOptions options = all_above(0.05);
+    FractureRule options = all_above(0.05);
     options.release = release;
     options.release_share = share;
     return Fracture(*scene.d().bonds, scene.d().carried, options).apply(scene.blocks(wild));
@@ -262,7 +262,7 @@ TEST(Fracture, DamageBesideAStraightCrackByHand)
 TEST(Fracture, NothingBreaksInANoFailBox)
 {
   test::Scene scene(plate());
-  FractureOptions options = all_above(0.02);
+  FractureRule options = all_above(0.02);
   options.no_fail = {{{0.3, 0.4}, {0.7, 0.7}}};
   Fracture fracture(*scene.d().bonds, nullptr, options);
   EXPECT_GT(fracture.apply(scene.blocks(opening)), 0);
@@ -278,13 +278,13 @@ TEST(Fracture, NothingBreaksInANoFailBox)
 TEST(Fracture, RefusesWhatMeansNothing)
 {
   test::Scene scene(plate());
-  const auto make = [&](FractureOptions options) { Fracture(*scene.d().bonds, nullptr, std::move(options)); };
+  const auto make = [&](FractureRule options) { Fracture(*scene.d().bonds, nullptr, std::move(options)); };
   EXPECT_THROW(make(all_above(0.0)), UserError);
   EXPECT_THROW(make(all_above(std::nan(""))), UserError);
-  FractureOptions two = all_above(0.1);
+  FractureRule two = all_above(0.1);
   two.critical_stretch = {0.1, 0.1};
   EXPECT_THROW(make(two), UserError);
-  FractureOptions none = all_above(0.1);
+  FractureRule none = all_above(0.1);
   none.release_share = 0.0;
   EXPECT_THROW(make(none), UserError);
 }
