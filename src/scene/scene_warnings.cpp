@@ -22,9 +22,21 @@ bool loads(const options::BoundaryCondition& c)
          moves(c.displacement) || moves(c.velocity) || (c.turn && *c.turn != 0.0);
 }
 
+std::string late_warning(const options::SceneOptions& options)
+{
+  const GivenOption* given = given_option("-ts_max_time");
+  const double last = given ? number_of("-ts_max_time", given->value, "s").value_or(0.0) : 0.0;
+  for (const double t : options.output.times)
+    if (last > 0.0 && t > last)
+      return fmt::format("-output_times asks for fields at {:g} s, after the end of the run at {:g} s (-ts_max_time): "
+                         "none are written then",
+                         t, last);
+  return {};
+}
+
 std::string time_warning(const options::SceneOptions& options)
 {
-  if (options.time.dynamic()) return {};
+  if (options.time.dynamic()) return late_warning(options);
   for (const char* name :
        {"-ts_max_time", "-ts_max_steps", "-ts_dt", "-ts_safety", "-ts_allow_unstable", "-ts_subcycle"})
     if (Options("ts").given(name))
