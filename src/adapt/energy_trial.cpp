@@ -41,10 +41,10 @@ private:
   Eigen::Matrix<double, kBilinear, 2> right_ = Eigen::Matrix<double, kBilinear, 2>::Zero();
 };
 
-double energy_density(const law::Elastic& elastic, fem::Kinematics kinematics, const Tensor<2>& g)
+double energy_density(const law::Elastic& elastic, law::Kinematics kinematics, const Tensor<2>& g)
 {
   Tensor<2> e = 0.5 * (g + g.transpose());
-  if (kinematics == fem::Kinematics::finite) e += 0.5 * g.transpose() * g;
+  if (kinematics == law::Kinematics::finite) e += 0.5 * g.transpose() * g;
   const Eigen::Vector3d strain(e(0, 0), e(1, 1), 2.0 * e(0, 1));
   return 0.5 * strain.dot(elastic.stiffness() * strain);
 }

@@ -51,7 +51,7 @@ CoarseMesh::CoarseMesh(fem::ElasticBody body, const couple::NodeField& node_fiel
       for (std::size_t law = 0; law < body_.laws(); ++law)
         grid_stiffness_.push_back(fem::element_tangent(rectangle(grids_[p].size_of(kind)), fem::ElementVector::Zero(),
                                                        body_.regions ? body_.regions->elastic(law) : body_.law,
-                                                       fem::Kinematics::small));
+                                                       law::Kinematics::small));
   }
   fine_first_ = gather_all(mesh.comm(), std::vector<PetscInt>{system.rows.first});
   gather_sets();
@@ -154,7 +154,7 @@ void CoarseMesh::add_special(const fem::ElementMatrix& stiffness, const std::arr
 void CoarseMesh::add_cut(const xfem::CutElement& cut)
 {
   const xfem::EnrichedMatrix k = xfem::enriched_tangent(cut.element, xfem::EnrichedVector::Zero(cut.element.unknowns()),
-                                                        body_.law_of(cut.cell), fem::Kinematics::small);
+                                                        body_.law_of(cut.cell), law::Kinematics::small);
   Special special;
   for (const Index v : body_.mesh.cell(cut.cell)) special.rows.push_back(vertex_rows_[static_cast<std::size_t>(v)]);
   Eigen::MatrixXd map = Eigen::MatrixXd::Identity(k.rows(), k.cols());
@@ -268,7 +268,7 @@ MatHandle CoarseMesh::assembled(std::span<const double> u, bool elements) const
   PDX_CALL(MatXAIJSetPreallocation(matrix.get(), 2, couplings.diagonal.data(), couplings.off_diagonal.data(), nullptr,
                                    nullptr));
   PDX_CALL(MatSetOption(matrix.get(), MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
-  const bool small = body_.kinematics == fem::Kinematics::small;
+  const bool small = body_.kinematics == law::Kinematics::small;
   field::BlockAdder adder(matrix.get(), *halo_, held_);
   if (elements)
     fem::assemble_stiffness(body_, elements_, vertex_rows_, small ? std::vector<double>{} : node_field_.displacement(u),

@@ -8,7 +8,7 @@
 namespace pdx::couple {
 template <int Dim>
 CarriedBonds<Dim>::CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> points, std::vector<CarriedBond<Dim>> bonds,
-                                pd::Kinematics kinematics, bool symmetric)
+                                law::Kinematics kinematics, bool symmetric)
     : rows_(rows), kept_(1, false), kinematics_(kinematics), symmetric_(symmetric)
 {
   families_.push_back(std::make_unique<Family>(rows, std::move(points), std::move(bonds), kinematics, symmetric));
@@ -16,7 +16,8 @@ CarriedBonds<Dim>::CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> poin
 
 template <int Dim>
 CarriedBonds<Dim>::CarriedBonds(const field::Rows& rows, Families families,
-                                std::shared_ptr<const field::RowShift> shift, pd::Kinematics kinematics, bool symmetric)
+                                std::shared_ptr<const field::RowShift> shift, law::Kinematics kinematics,
+                                bool symmetric)
     : rows_(rows), families_(std::move(families)), shift_(std::move(shift)), kinematics_(kinematics),
       symmetric_(symmetric)
 {

@@ -33,7 +33,7 @@ template <int Dim> struct CarriedFamily<Dim>::Panel {
 
 template <int Dim>
 CarriedFamily<Dim>::CarriedFamily(const field::Rows& rows, CarriedPoints<Dim> points,
-                                  std::vector<CarriedBond<Dim>> bonds, pd::Kinematics kinematics, bool symmetric)
+                                  std::vector<CarriedBond<Dim>> bonds, law::Kinematics kinematics, bool symmetric)
     : rows_(rows), points_(std::move(points)), bonds_(std::move(bonds)), kinematics_(kinematics), symmetric_(symmetric)
 {
   rest_.reserve(bonds_.size());
@@ -67,17 +67,17 @@ Vector<Dim> CarriedFamily<Dim>::stretch_vector(const CarriedBond<Dim>& bond, std
 /// At displacements d of the points.
 template <int Dim>
 law::BondState<Dim> CarriedFamily<Dim>::state_of(std::size_t number, std::span<const double> d,
-                                                 pd::Kinematics kinematics) const
+                                                 law::Kinematics kinematics) const
 {
   return state_of(number, stretch_vector(bonds_[number], d), kinematics);
 }
 
 template <int Dim>
 law::BondState<Dim> CarriedFamily<Dim>::state_of(std::size_t number, const Vector<Dim>& eta,
-                                                 pd::Kinematics kinematics) const
+                                                 law::Kinematics kinematics) const
 {
   const Rest& rest = rest_[number];
-  if (kinematics == pd::Kinematics::finite)
+  if (kinematics == law::Kinematics::finite)
     return law::finite_state<Dim>(bonds_[number].xi, rest.length, eta, free_strain(number));
   return {rest.along.dot(eta) / rest.length - free_strain(number), rest.along, 0.0};
 }
@@ -102,7 +102,7 @@ template <int Dim> double CarriedFamily<Dim>::energy(std::span<const double> u) 
   refresh_lanes();
   for (const CarriedLanes<Dim>& lanes : lanes_) std::ranges::for_each(lanes.numbers(), add_one);
   std::ranges::for_each(others_, add_one);
-  return total + runs_->energy(processor_, kinematics_ == pd::Kinematics::finite, u);
+  return total + runs_->energy(processor_, kinematics_ == law::Kinematics::finite, u);
 }
 
 template <int Dim>
@@ -158,7 +158,7 @@ template <int Dim> void CarriedFamily<Dim>::add_jacobian(field::BlockAdder& adde
     for (std::size_t k = begin; k < end; ++k) {
       if (gone_[k]) continue;
       const CarriedBond<Dim>& bond = bonds_[k];
-      const law::BondState<Dim> state = kinematics_ == pd::Kinematics::finite
+      const law::BondState<Dim> state = kinematics_ == law::Kinematics::finite
                                             ? state_of(k, state_, kinematics_)
                                             : law::BondState<Dim>{0.0, rest_[k].along, 0.0};
       const Tensor<Dim> stiffness = law::bond_stiffness<Dim>(bond.kappa, rest_[k].length, state);
@@ -245,7 +245,7 @@ pd::Broken CarriedFamily<Dim>::break_bonds(std::span<const double> u, std::span<
 
 /// What a bond pulls the owned rows of its hosts with, at the displacement spread last.
 template <int Dim>
-void CarriedFamily<Dim>::note_force(std::size_t number, pd::Kinematics kinematics, field::ForceLosses& losses) const
+void CarriedFamily<Dim>::note_force(std::size_t number, law::Kinematics kinematics, field::ForceLosses& losses) const
 {
   const CarriedBond<Dim>& bond = bonds_[number];
   const law::BondState<Dim> state = state_of(number, spread_, kinematics);

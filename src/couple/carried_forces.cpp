@@ -116,14 +116,14 @@ template <int Dim> void CarriedFamily<Dim>::refresh_runs() const
   runs_->set_limits([this](Index patch, double stretch) {
     if (limits_.empty()) return std::numeric_limits<double>::infinity();
     const double s = limits_[static_cast<std::size_t>(patch)] * stretch;
-    return kEarly * (kinematics_ == pd::Kinematics::finite ? s * (2.0 + s) : s);
+    return kEarly * (kinematics_ == law::Kinematics::finite ? s * (2.0 + s) : s);
   });
 }
 
 template <int Dim> void CarriedFamily<Dim>::add_residual(std::span<const double> u, std::span<double> r) const
 {
   refresh_lanes();
-  const bool finite = kinematics_ == pd::Kinematics::finite;
+  const bool finite = kinematics_ == law::Kinematics::finite;
   overstretched_seen_ = runs_ && runs_->add_forces(processor_, finite, u, r);
   for (const CarriedLanes<Dim>& lanes : lanes_)
     if (lanes.add_forces(processor_, finite, u, rows_.owned(), r)) overstretched_seen_ = true;

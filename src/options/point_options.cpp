@@ -300,7 +300,7 @@ void judge_mixed(const SceneOptions& s)
   if (s.points.formulation == Formulation::updated) throw UserError(beside + " need -mpm_formulation total");
   if (s.pd.everywhere)
     throw UserError("-pd_patches all: a body of points is no box mesh: give the boxes of its cells that are particles");
-  if (s.kinematics == Kinematics::small)
+  if (s.kinematics == KinematicsOption::small)
     throw UserError("-kinematics small: bodies of points turn, and bonds must turn with them: give finite (the default "
                     "beside points) or mixed");
   if (s.scheme != couple::Scheme::energy && s.scheme != couple::Scheme::handshake)
@@ -325,7 +325,7 @@ void judge_mixed_in_space(const SceneOptions& s)
     throw UserError("-pd_patches all: a body of points is no box mesh: give the boxes of its cells that are particles");
   if (s.scheme != couple::Scheme::energy)
     throw UserError(beside + "are coupled by energy only: drop -mpm_coupling handshake (-couple_scheme)");
-  if (s.kinematics != Kinematics::finite) throw UserError(beside + "turn, and bonds with them: drop -kinematics");
+  if (s.kinematics != KinematicsOption::finite) throw UserError(beside + "turn, and bonds with them: drop -kinematics");
   if (s.face_mass) throw UserError(beside + "hand no mass over: drop -couple_face_mass");
   if (s.pd.seeded || !s.cracks.lines.empty())
     throw UserError(beside + "have no cracks from the start: drop -crack_names (-adapt_seed)");

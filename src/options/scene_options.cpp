@@ -232,7 +232,7 @@ SceneOptions read_all(bool describe)
   static constexpr const char* schemes[] = {"energy", "ghost", "interface"};
   (void)o.text("-options_file", "", "file with an option a line: -name value, # begins a comment");
   s.case_name = o.text("-case", "case", "name of the case");
-  s.kinematics = static_cast<Kinematics>(
+  s.kinematics = static_cast<KinematicsOption>(
       o.choice("-kinematics", are_points() ? 1 : 0, kinematics,
                "linear; finite strain; the papers' finite bonds with linear elements; beside material points finite"));
   try {

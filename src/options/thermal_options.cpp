@@ -156,7 +156,7 @@ void judge_thermal(const SceneOptions& s)
   refuse(!s.pd.cloud.empty(), "strains elements and particles of a lattice: drop -pd_cloud");
   refuse(s.solid, "is of the plane: give -material_plane stress or strain");
   refuse(s.time.dynamic(), "acts in load steps, as equilibria while the body cools: give -analysis static");
-  refuse(s.kinematics == Kinematics::finite, "strains linear elements: give -kinematics small or mixed");
+  refuse(s.kinematics == KinematicsOption::finite, "strains linear elements: give -kinematics small or mixed");
   refuse(s.post.any_j(), "cannot stand beside -post_j_... and -post_energy_release: J does not know the free strain");
   refuse(s.region_set.any(), "is of one material: drop -region_names");
   refuse(s.layout.adapt == Adapt::relocate, "cannot stand beside -adapt relocate: give -adapt expand or none");

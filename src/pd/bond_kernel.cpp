@@ -305,7 +305,7 @@ void add_energy_density(const BondView<Dim>& view, std::span<const Run> runs, Ki
     if (kinematics == Kinematics::finite)
       sweep(view, runs, EnergyDensity<Dim, Kinematics::finite, swells>{volume}, density);
     else
-      sweep(view, runs, EnergyDensity<Dim, Kinematics::linear, swells>{volume}, density);
+      sweep(view, runs, EnergyDensity<Dim, Kinematics::small, swells>{volume}, density);
   });
 }
 

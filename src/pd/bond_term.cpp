@@ -131,7 +131,7 @@ template <int Dim> void BondTerm<Dim>::add_diagonal(field::BlockAdder& adder) co
   constexpr std::size_t block = Dim * Dim;
   std::vector<double> diagonal(static_cast<std::size_t>(halo_->rows().owned()) * block, 0.0);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
-    if (kinematics_ == Kinematics::linear)
+    if (kinematics_ == Kinematics::small)
       diagonal_blocks<Dim>(parts_[p]->view(scratch_[p]), parts_[p]->force_runs(), diagonal.data());
     else
       diagonal_blocks_finite<Dim>(parts_[p]->view(state_[p]), parts_[p]->force_runs(), diagonal.data());
@@ -189,7 +189,7 @@ template <int Dim> void BondTerm<Dim>::add_tangent_action(std::span<const double
   Timed timed(event);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     parts_[p]->load(x, scratch_[p]);
-    if (kinematics_ == Kinematics::linear)
+    if (kinematics_ == Kinematics::small)
       subtract_neighbours<Dim>(parts_[p]->view(scratch_[p]), parts_[p]->linear_runs(), y.data());
     else
       subtract_neighbours_finite<Dim>(parts_[p]->view(state_[p]), parts_[p]->view(scratch_[p]).u,

@@ -52,7 +52,7 @@ private:
   /// What the growth of a bond along the half arm must exceed.
   PDX_INLINE double limit(std::size_t h, double s0) const
   {
-    const double factor = kinematics == Kinematics::linear ? s0 : s0 * (2.0 + s0);
+    const double factor = kinematics == Kinematics::small ? s0 : s0 * (2.0 + s0);
     return factor * view.arms[h].length * view.arms[h].length;
   }
   /// The least s0 that any bond has.
@@ -67,7 +67,7 @@ private:
     Lanes<W> growth{};
     for (std::size_t d = 0; d < Dim; ++d) {
       const Lanes<W> eta = load_first<W>(view.u[d] + i + arm.jump, count) - load_first<W>(view.u[d] + i, count);
-      if constexpr (kinematics == Kinematics::linear)
+      if constexpr (kinematics == Kinematics::small)
         growth += arm.xi[d] * eta;
       else
         growth += (2.0 * arm.xi[d] + eta) * eta;
@@ -83,7 +83,7 @@ private:
       const HalfArm<Dim>& arm = view.arms[span.h];
       const double* const free = view.swelling + i;
       const Lanes<W> most = s0 + (load_first<W>(free, count) + load_first<W>(free + arm.jump, count));
-      return growth > (kinematics == Kinematics::linear ? most : most * (2.0 + most)) * (arm.length * arm.length);
+      return growth > (kinematics == Kinematics::small ? most : most * (2.0 + most)) * (arm.length * arm.length);
     } else {
       return growth > limit(span.h, s0);
     }
@@ -121,8 +121,8 @@ template <int Dim, bool swells>
 std::int64_t break_spans(const BondView<Dim>& view, std::span<const Span> spans, const BreakRule& rule, BondWords words)
 {
   std::int64_t broken = 0;
-  if (rule.kinematics == Kinematics::linear)
-    run_here(BreakSpans<Dim, Kinematics::linear, swells>{view, spans, rule, words, broken});
+  if (rule.kinematics == Kinematics::small)
+    run_here(BreakSpans<Dim, Kinematics::small, swells>{view, spans, rule, words, broken});
   else
     run_here(BreakSpans<Dim, Kinematics::finite, swells>{view, spans, rule, words, broken});
   return broken;

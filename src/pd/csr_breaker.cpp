@@ -6,7 +6,7 @@ template <int Dim>
 std::vector<std::int64_t> break_csr_bonds(const CsrView<Dim>& view, const BreakRule& rule, const double* u,
                                           std::uint8_t* intact)
 {
-  const bool linear = rule.kinematics == Kinematics::linear;
+  const bool linear = rule.kinematics == Kinematics::small;
   const double s0 = rule.critical_stretch, factor = linear ? s0 : s0 * (2.0 + s0);
   std::vector<std::int64_t> broken;
   for (std::size_t i = 0; i + 1 < view.first.size(); ++i)

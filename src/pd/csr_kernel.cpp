@@ -13,7 +13,7 @@ constexpr double kRoom = 1e-12; // for rounding in the search for overstretched 
 
 double limit_of(Kinematics kinematics, double s0)
 {
-  return (kinematics == Kinematics::linear ? s0 : s0 * (2.0 + s0)) * (1.0 - kRoom);
+  return (kinematics == Kinematics::small ? s0 : s0 * (2.0 + s0)) * (1.0 - kRoom);
 }
 
 /// One bond or W: kappa s / |y| for finite, kappa s / |xi| for linear stretch, and what of it gives the energy.
@@ -160,9 +160,9 @@ CsrSeen add_csr_force(const CsrView<Dim>& view, Kinematics kinematics, double cr
                       double* r, bool energy)
 {
   const double limit = limit_of(kinematics, critical_stretch);
-  if (kinematics == Kinematics::linear)
-    return energy ? sweep_bonds<Dim, Kinematics::linear, true>(view, limit, u, r)
-                  : sweep_bonds<Dim, Kinematics::linear, false>(view, limit, u, r);
+  if (kinematics == Kinematics::small)
+    return energy ? sweep_bonds<Dim, Kinematics::small, true>(view, limit, u, r)
+                  : sweep_bonds<Dim, Kinematics::small, false>(view, limit, u, r);
   return energy ? sweep_bonds<Dim, Kinematics::finite, true>(view, limit, u, r)
                 : sweep_bonds<Dim, Kinematics::finite, false>(view, limit, u, r);
 }
@@ -172,8 +172,8 @@ CsrSeen add_gathered_force(Processor processor, const CsrView<Dim>& view, Kinema
                            double critical_stretch, const double* u, double* r, bool energy)
 {
   const double limit = limit_of(kinematics, critical_stretch);
-  return kinematics == Kinematics::linear ? gather_bonds<Dim, Kinematics::linear>(processor, view, limit, u, r, energy)
-                                          : gather_bonds<Dim, Kinematics::finite>(processor, view, limit, u, r, energy);
+  return kinematics == Kinematics::small ? gather_bonds<Dim, Kinematics::small>(processor, view, limit, u, r, energy)
+                                         : gather_bonds<Dim, Kinematics::finite>(processor, view, limit, u, r, energy);
 }
 
 #define PDX_INSTANTIATE(Dim)                                                                                           \

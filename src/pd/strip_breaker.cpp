@@ -29,12 +29,12 @@ private:
   template <int W> PDX_INLINE typename Simd<W>::Mask over(std::ptrdiff_t vector, std::size_t h) const
   {
     const StripArm<Dim>& arm = view.arms[h];
-    const double s0 = critical_stretch, factor = kinematics == Kinematics::linear ? s0 : s0 * (2.0 + s0);
+    const double s0 = critical_stretch, factor = kinematics == Kinematics::small ? s0 : s0 * (2.0 + s0);
     const double* u = view.blocks + vector * (StripView<Dim>::kParts * W);
     Lanes<W> growth{};
     for (int d = 0; d < Dim; ++d) {
       const Lanes<W> eta = load<W>(u + arm.jump + d * W) - load<W>(u + d * W);
-      if constexpr (kinematics == Kinematics::linear)
+      if constexpr (kinematics == Kinematics::small)
         growth += arm.xi[static_cast<std::size_t>(d)] * eta;
       else
         growth += (2.0 * arm.xi[static_cast<std::size_t>(d)] + eta) * eta;
@@ -55,8 +55,8 @@ template <int Dim>
 void find_overstretched(Processor processor, const StripView<Dim>& view, const StripBox& box, Kinematics kinematics,
                         double critical_stretch, std::vector<StripBond>& bonds)
 {
-  if (kinematics == Kinematics::linear)
-    run_on(processor, FindOverstretched<Dim, Kinematics::linear>{view, box, critical_stretch, bonds});
+  if (kinematics == Kinematics::small)
+    run_on(processor, FindOverstretched<Dim, Kinematics::small>{view, box, critical_stretch, bonds});
   else
     run_on(processor, FindOverstretched<Dim, Kinematics::finite>{view, box, critical_stretch, bonds});
 }

@@ -149,7 +149,7 @@ template <int Dim> struct SweepStrips {
   template <int W> PDX_INLINE void run() const
   {
     for (StripTask& task : tasks) {
-      if (kinematics == Kinematics::linear)
+      if (kinematics == Kinematics::small)
         with_law<W, Linear<Dim>>(task);
       else if (task.series == Series::fifth)
         with_law<W, Finite<Dim, Series::fifth>>(task);

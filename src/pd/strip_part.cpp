@@ -49,7 +49,7 @@ Series series_for(double lowest, double highest)
 /// What e of a bond must exceed to break it.
 template <int Dim> double StripPart<Dim>::limit_of(double stretch) const
 {
-  return kinematics_ == Kinematics::linear ? stretch : stretch * (2.0 + stretch);
+  return kinematics_ == Kinematics::small ? stretch : stretch * (2.0 + stretch);
 }
 
 template <int Dim> void StripPart<Dim>::watch(double critical_stretch)
@@ -187,7 +187,7 @@ template <int Dim> void StripPart<Dim>::sweep_slab(Index slab, bool energetic)
   bool wrong = false;
   for (StripTask& task : tasks_of(slab)) {
     const Series needed = series_for(task.lowest, task.highest);
-    if (kinematics_ == Kinematics::linear || needed == task.series) continue;
+    if (kinematics_ == Kinematics::small || needed == task.series) continue;
     task.series = needed;
     wrong = true;
   }
@@ -224,7 +224,7 @@ template <int Dim> bool StripPart<Dim>::is_over(std::ptrdiff_t site, std::size_t
   double growth = 0.0;
   for (std::size_t d = 0; d < Dim; ++d) {
     const double xi = arms_[arm].xi[d], by = eta[static_cast<Eigen::Index>(d)];
-    growth += kinematics_ == Kinematics::linear ? xi * by : (2.0 * xi + by) * by;
+    growth += kinematics_ == Kinematics::small ? xi * by : (2.0 * xi + by) * by;
   }
   const double length = arms_[arm].length;
   return growth > limit_of(critical_stretch_ * part_.stretch_factor(site, arm)) * length * length;

@@ -267,8 +267,8 @@ private:
   {
     const pd::Arm<2>& half = state_.part.stencil().half[arm];
     const Vector<2> xi = sign * half.xi;
-    const auto bond = state_.kinematics == pd::Kinematics::finite ? law::finite_state<2>(xi, half.length, eta)
-                                                                  : law::linear_state<2>(xi, half.length, eta);
+    const auto bond = state_.kinematics == law::Kinematics::finite ? law::finite_state<2>(xi, half.length, eta)
+                                                                   : law::linear_state<2>(xi, half.length, eta);
     return weight * half.kappa * bond.stretch * bond.direction;
   }
 

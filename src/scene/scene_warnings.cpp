@@ -1,5 +1,7 @@
 #include "pdx/scene/scene_warnings.hpp"
 
+#include "pdx/base/given_options.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -61,7 +63,7 @@ std::string static_warning(const options::SceneOptions& options)
 std::string turn_warning(const options::SceneOptions& options)
 {
   constexpr double little = 1e-3; // strain
-  if (options.kinematics != options::Kinematics::small) return {};
+  if (options.kinematics != options::KinematicsOption::small) return {};
   for (const options::BoundaryCondition& c : options.conditions)
     if (const double strain = c.turn ? 1.0 - std::cos(std::min(std::abs(*c.turn), 2.0)) : 0.0; strain > little)
       return fmt::format(
@@ -181,7 +183,7 @@ std::string row_warning(const options::SceneOptions& options, const PatchPlan& p
 std::string size_warning(const options::SceneOptions& options, double largest, const geom::Box<2>& body)
 {
   const double size = body.size().maxCoeff();
-  if (options.kinematics != options::Kinematics::small || !(largest > size)) return {};
+  if (options.kinematics != options::KinematicsOption::small || !(largest > size)) return {};
   return fmt::format(
       "the largest displacement is {:.3g} m and the body {:.3g} m: small strains mean nothing there; look "
       "at units of loads and -material_young, or give -kinematics finite",

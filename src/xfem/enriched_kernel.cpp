@@ -18,7 +18,7 @@ SideMap side_map(const EnrichedElement& element, Side side)
 }
 
 EnrichedVector enriched_force(const EnrichedElement& element, const EnrichedVector& displacement,
-                              const law::Elastic& law, fem::Kinematics kinematics)
+                              const law::Elastic& law, law::Kinematics kinematics)
 {
   EnrichedVector force = EnrichedVector::Zero(element.unknowns());
   for (const Side side : kSides) {
@@ -30,7 +30,7 @@ EnrichedVector enriched_force(const EnrichedElement& element, const EnrichedVect
 }
 
 EnrichedMatrix enriched_tangent(const EnrichedElement& element, const EnrichedVector& displacement,
-                                const law::Elastic& law, fem::Kinematics kinematics)
+                                const law::Elastic& law, law::Kinematics kinematics)
 {
   EnrichedMatrix tangent = EnrichedMatrix::Zero(element.unknowns(), element.unknowns());
   for (const Side side : kSides) {
@@ -42,7 +42,7 @@ EnrichedMatrix enriched_tangent(const EnrichedElement& element, const EnrichedVe
 }
 
 double enriched_energy(const EnrichedElement& element, const EnrichedVector& displacement, const law::Elastic& law,
-                       fem::Kinematics kinematics)
+                       law::Kinematics kinematics)
 {
   double energy = 0.0;
   for (const Side side : kSides)

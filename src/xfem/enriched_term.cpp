@@ -21,7 +21,7 @@ EnrichedVector gathered(std::span<const Index> rows, std::span<const double> u)
 }
 } // namespace
 
-EnrichedTerm::EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, fem::Kinematics kinematics,
+EnrichedTerm::EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, law::Kinematics kinematics,
                            const std::vector<PetscInt>& node_rows, const EnrichedSets& sets,
                            const law::Regions* regions)
     : kinematics_(kinematics)
@@ -43,7 +43,7 @@ EnrichedTerm::EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, fem:
       if (row >= 0) part.global_rows.push_back(row);
     PDX_ASSERT(2 * static_cast<int>(part.global_rows.size()) == cut.element.unknowns());
     part.state = EnrichedVector::Zero(cut.element.unknowns());
-    if (kinematics_ == fem::Kinematics::small)
+    if (kinematics_ == law::Kinematics::small)
       part.stiffness = enriched_tangent(cut.element, part.state, part.law, kinematics_);
     parts_.push_back(std::move(part));
   }
@@ -152,7 +152,7 @@ void EnrichedTerm::add_stiffness_bound(std::span<double> blocks) const
 {
   for_each_side([&](std::span<const PartPoint> points, const std::array<Index, 4>& rows, const law::Elastic& law) {
     const double bound =
-        symmetric_eigenvalues(fem::part_tangent(points, fem::ElementVector::Zero(), law, fem::Kinematics::small))[7];
+        symmetric_eigenvalues(fem::part_tangent(points, fem::ElementVector::Zero(), law, law::Kinematics::small))[7];
     for (const Index row : rows)
       if (row < owned_rows_)
         for (const std::size_t diagonal : {0, 3}) blocks[4 * static_cast<std::size_t>(row) + diagonal] += bound;

@@ -64,7 +64,7 @@ void diagonal_blocks(benchmark::State& state, pd::RunKind kind)
 {
   measure(state, kind, [](const auto& view, Square& s) { pd::diagonal_blocks<2>(view, s.runs, s.y.data()); });
 }
-void add_force(benchmark::State& state, pd::RunKind kind, pd::Kinematics kinematics)
+void add_force(benchmark::State& state, pd::RunKind kind, law::Kinematics kinematics)
 {
   measure(state, kind,
           [kinematics](const auto& view, Square& s) { pd::add_force<2>(view, s.runs, kinematics, s.y.data()); });
@@ -120,9 +120,9 @@ BENCHMARK_CAPTURE(subtract_neighbours, whole, pd::RunKind::whole);
 BENCHMARK_CAPTURE(subtract_neighbours, partial, pd::RunKind::partial);
 BENCHMARK(neighbour_list);
 BENCHMARK_CAPTURE(diagonal_blocks, whole, pd::RunKind::whole);
-BENCHMARK_CAPTURE(add_force, whole_linear, pd::RunKind::whole, pd::Kinematics::linear);
-BENCHMARK_CAPTURE(add_force, whole_finite, pd::RunKind::whole, pd::Kinematics::finite);
-BENCHMARK_CAPTURE(add_force, partial_finite, pd::RunKind::partial, pd::Kinematics::finite);
+BENCHMARK_CAPTURE(add_force, whole_linear, pd::RunKind::whole, law::Kinematics::small);
+BENCHMARK_CAPTURE(add_force, whole_finite, pd::RunKind::whole, law::Kinematics::finite);
+BENCHMARK_CAPTURE(add_force, partial_finite, pd::RunKind::partial, law::Kinematics::finite);
 BENCHMARK_CAPTURE(subtract_neighbours_finite, whole, pd::RunKind::whole);
 BENCHMARK_CAPTURE(subtract_neighbours_finite, partial, pd::RunKind::partial);
 BENCHMARK_CAPTURE(diagonal_blocks_finite, whole, pd::RunKind::whole);

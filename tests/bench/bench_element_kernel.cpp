@@ -12,7 +12,7 @@
 
 namespace {
 using namespace pdx;
-using fem::Kinematics;
+using law::Kinematics;
 constexpr double kSide = 1e-3;
 
 /// Square elements in a square, or cells whose corners are shifted by up to a fifth of a side, a little displaced.

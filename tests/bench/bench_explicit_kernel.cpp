@@ -11,7 +11,7 @@
 
 namespace {
 using namespace pdx;
-using pd::Kinematics;
+using law::Kinematics;
 constexpr double kDx = 1e-3, kCritical = 5e-3;
 /// Times the displacement, at which most tiles have bonds with |e| in .005 ... .02, and all have some above .1.
 constexpr double kSeventh = 20.0, kRoot = 300.0;

@@ -17,7 +17,7 @@ using Prescribed = std::function<std::optional<double>(const Vector<2>& x, int a
 class ElasticProblem {
 public:
   /// Collective. The mesh must outlive the problem.
-  ElasticProblem(const mesh::Mesh& mesh, const law::Elastic& law, fem::Kinematics kinematics)
+  ElasticProblem(const mesh::Mesh& mesh, const law::Elastic& law, law::Kinematics kinematics)
       : mesh_(mesh), body_{mesh, law, kinematics}, node_rows_(number_nodes(mesh, rows_)),
         term_(mesh, law, kinematics, node_rows_), force_(2 * static_cast<std::size_t>(rows_.owned()), 0.0)
   {

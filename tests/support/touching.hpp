@@ -211,7 +211,7 @@ private:
         bonds.push_back({p, q, p, q, xi, stiffness * xi.norm()});
       }
     system.terms.push_back(std::make_unique<couple::CarriedBonds<Dim>>(system.rows, std::move(points), std::move(bonds),
-                                                                       pd::Kinematics::finite, true));
+                                                                       law::Kinematics::finite, true));
   }
   void add_surface(Index number)
   {

@@ -18,7 +18,7 @@ public:
     std::span<const double> displacement; ///< local blocks [owned | halo] [m]
     std::span<const double> density;      ///< strain energy, per owned row [J/m^3]
     const law::Elastic& elastic;
-    fem::Kinematics kinematics;
+    law::Kinematics kinematics;
     double most;                           ///< that one element may add [J]
     const law::Regions* regions = nullptr; ///< of other materials
   };

@@ -12,11 +12,11 @@ public:
   using Families = std::vector<std::unique_ptr<Family>>;
   /// Of one family, whatever patches it is of.
   CarriedBonds(const field::Rows& rows, CarriedPoints<Dim> points, std::vector<CarriedBond<Dim>> bonds,
-               pd::Kinematics kinematics, bool symmetric);
+               law::Kinematics kinematics, bool symmetric);
   /// @param families one per patch; those that have been bound before are of the layout before
   /// @param shift from that layout; null where none has been
   CarriedBonds(const field::Rows& rows, Families families, std::shared_ptr<const field::RowShift> shift,
-               pd::Kinematics kinematics, bool symmetric);
+               law::Kinematics kinematics, bool symmetric);
   /// The families leave this Term, of which nothing may be asked any more.
   Families give_up() { return std::move(families_); }
   /// Between two layouts `energy` leaves out families that stay, as pd::BondTerm does.
@@ -33,7 +33,7 @@ public:
   void linearise(std::span<const double> u) override;
   void couplings(field::Couplings& couplings, bool whole) const override;
   void add_jacobian(field::BlockAdder& adder, bool whole) const override;
-  bool constant_jacobian() const override { return kinematics_ == pd::Kinematics::linear; }
+  bool constant_jacobian() const override { return kinematics_ == law::Kinematics::small; }
   bool symmetric() const override { return symmetric_; }
   /// Of intact bonds, with d = sum_k c_k y_k at their ends a and b: (n.(d_a - d_b))^2 <= 2 (n.d_a)^2 + 2 (n.d_b)^2 and
   /// (n.d)^2 <= (sum_k |c_k|) sum_k |c_k| (n.y_k)^2. Throws std::logic_error if the tangent is not symmetric: there is
@@ -88,7 +88,7 @@ private:
   Families families_;
   std::vector<bool> kept_, left_out_; // per family: of the layout before; empty: none
   std::shared_ptr<const field::RowShift> shift_;
-  pd::Kinematics kinematics_;
+  law::Kinematics kinematics_;
   bool symmetric_;
 };
 } // namespace pdx::couple

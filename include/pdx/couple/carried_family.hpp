@@ -37,7 +37,7 @@ template <int Dim> struct CarriedBond {
 template <int Dim> class CarriedFamily {
 public:
   CarriedFamily(const field::Rows& rows, CarriedPoints<Dim> points, std::vector<CarriedBond<Dim>> bonds,
-                pd::Kinematics kinematics, bool symmetric);
+                law::Kinematics kinematics, bool symmetric);
   ~CarriedFamily();
   CarriedFamily(const CarriedFamily&) = delete;
   CarriedFamily& operator=(const CarriedFamily&) = delete;
@@ -119,18 +119,18 @@ private:
   };
   bool starts_at_row(const CarriedBond<Dim>& bond) const;
   void fill_lanes() const;
-  law::BondState<Dim> state_of(std::size_t number, const Vector<Dim>& eta, pd::Kinematics kinematics) const;
+  law::BondState<Dim> state_of(std::size_t number, const Vector<Dim>& eta, law::Kinematics kinematics) const;
   double free_strain(std::size_t number) const { return free_.empty() ? 0.0 : free_[number]; }
   void work_out_bound(std::span<double> blocks) const;
   void refresh_lanes() const;
   void refresh_runs() const;
-  law::BondState<Dim> state_of(std::size_t number, std::span<const double> d, pd::Kinematics kinematics) const;
+  law::BondState<Dim> state_of(std::size_t number, std::span<const double> d, law::Kinematics kinematics) const;
   bool counted(const CarriedBond<Dim>& bond) const { return points_.rows(bond.a).front() < rows_.owned(); }
   /// Calls visit(number, stretch) for the intact bonds that a rule breaks at u.
   template <class Visit>
   void for_each_overstretched(std::span<const double> u, std::span<const pd::BreakRule> rules, Visit&& visit) const;
   const std::vector<std::pair<Index, pd::BondedVolume>>& volumes() const;
-  void note_force(std::size_t number, pd::Kinematics kinematics, field::ForceLosses& losses) const;
+  void note_force(std::size_t number, law::Kinematics kinematics, field::ForceLosses& losses) const;
   Vector<Dim> stretch_vector(const CarriedBond<Dim>& bond, std::span<const double> d) const;
   template <class Visit> void for_each_group(Visit&& visit) const;
 
@@ -146,7 +146,7 @@ private:
   std::vector<double> free_;               // free strain per bond; empty: nothing swells [-]
   std::vector<std::uint8_t> gone_, saved_; // per bond: cut or broken
   std::int64_t revision_ = 0;              // of gone_
-  pd::Kinematics kinematics_;
+  law::Kinematics kinematics_;
   bool symmetric_;
   std::vector<double> state_;  // displacement of the points at the last linearisation
   std::vector<double> limits_; // per patch, of the stretch; empty: nobody watches [-]

@@ -17,7 +17,7 @@ struct FractureRule {
                                         ///< themselves                                     [m]
   Release release = Release::all;
   double release_share = 0.1; ///< of the overstretched bonds, at least one; worst only     [-]
-  pd::Kinematics kinematics = pd::Kinematics::finite;
+  law::Kinematics kinematics = law::Kinematics::finite;
 };
 
 /// Breaks bonds after each solve: those between particles and those that leave their patch, by one rule and at one

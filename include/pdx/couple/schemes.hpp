@@ -25,7 +25,7 @@ constexpr const char* option_of(Scheme scheme)
 
 struct CouplingOptions {
   Scheme scheme = Scheme::energy;
-  pd::Kinematics kinematics = pd::Kinematics::linear;
+  law::Kinematics kinematics = law::Kinematics::small;
   const crack::CrackSet* cracks = nullptr; ///< bonds whose acting part they part carry nothing
   const crack::CrackSet* seams = nullptr;  ///< the same, where the mesh is parted
   std::span<const geom::Box<2>> no_fail;   ///< bonds with an end in one of them never break [m]

@@ -19,7 +19,7 @@
 namespace pdx::options {
 /// How strains are measured. small: linear bonds and elements. finite: finite-stretch bonds and St Venant-Kirchhoff
 /// elements. mixed: the papers' finite bonds with linear elements.
-enum class Kinematics { small, finite, mixed };
+enum class KinematicsOption { small, finite, mixed };
 /// Of bonds at free surfaces. exact: `pd::SideWeights`, in the plane only. volume: the papers'. automatic: exact where
 /// it can be, else by volume.
 enum class SurfaceCorrection { automatic, none, volume, exact };
@@ -74,7 +74,7 @@ struct SceneOptions {
   RegionSetOptions region_set;                 ///< as given
   std::shared_ptr<const law::Regions> regions; ///< null until `settle`, and where all is of one material
   bool solid = false;                          ///< in space: the body in the plane, extruded by the thickness
-  Kinematics kinematics = Kinematics::small;
+  KinematicsOption kinematics = KinematicsOption::small;
   PdOptions pd;
   PointOptions points;
   couple::Scheme scheme = couple::Scheme::energy;
@@ -103,13 +103,13 @@ struct SceneOptions {
   bool mixed_in_space() const { return points.any() && solid && (pd.any() || converts()); }
   /// May bulk become particles where no patch is?
   bool converts() const { return layout.adapt != Adapt::none && layout.triggers.any(); }
-  pd::Kinematics bond_kinematics() const
+  law::Kinematics bond_kinematics() const
   {
-    return kinematics == Kinematics::small ? pd::Kinematics::linear : pd::Kinematics::finite;
+    return kinematics == KinematicsOption::small ? law::Kinematics::small : law::Kinematics::finite;
   }
-  fem::Kinematics element_kinematics() const
+  law::Kinematics element_kinematics() const
   {
-    return kinematics == Kinematics::finite ? fem::Kinematics::finite : fem::Kinematics::small;
+    return kinematics == KinematicsOption::finite ? law::Kinematics::finite : law::Kinematics::small;
   }
 
   /// Throws UserError, alike on every rank. With `describe` nothing is judged: for -help.

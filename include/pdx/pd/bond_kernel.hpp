@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/base/tensor.hpp"
+#include "pdx/law/kinematics.hpp"
 
 #include <array>
 #include <cstddef>
@@ -44,9 +45,8 @@ struct Run {
   RunKind kind = RunKind::partial;
 };
 
-/// finite: s = |xi + eta| / |xi| - 1 along the deformed bond [XPD1 Eqs. 2, 5]. linear: its linearisation at rest.
-/// Forces, energies and breaking are of s beyond the bond's free strain.
-enum class Kinematics { finite, linear };
+/// Forces, energies and breaking are of the stretch s beyond the bond's free strain.
+using law::Kinematics;
 
 // All kernels gather: a particle adds up its own 2 * arms bonds and writes its own row only, so runs go in any order.
 // Rows are interleaved (row * Dim + d), the layout of a Vec. w is 1 for an intact bond times its surface factor, and 0

@@ -19,7 +19,7 @@ struct ContourJ {
 struct PatchState {
   MPI_Comm comm;
   const pd::LatticePart<2>& part;
-  pd::Kinematics kinematics;
+  law::Kinematics kinematics;
   std::span<const double> u;       ///< owned rows * 2 at least [m]
   std::span<const double> density; ///< strain energy density per owned row, with the share of carried bonds [J/m^3]
   /// Particle columns that stay between a contour and the border of the patch, at least 1. Where bonds cross the border

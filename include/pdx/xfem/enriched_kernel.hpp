@@ -13,13 +13,13 @@ SideMap side_map(const EnrichedElement& element, Side side);
 
 /// Internal force [N] of all unknowns, the gradient of `enriched_energy`. The crack faces carry nothing.
 EnrichedVector enriched_force(const EnrichedElement& element, const EnrichedVector& displacement,
-                              const law::Elastic& law, fem::Kinematics kinematics);
+                              const law::Elastic& law, law::Kinematics kinematics);
 
 /// Tangent [N/m], the derivative of `enriched_force`; symmetric [XPD1 Eq. 13].
 EnrichedMatrix enriched_tangent(const EnrichedElement& element, const EnrichedVector& displacement,
-                                const law::Elastic& law, fem::Kinematics kinematics);
+                                const law::Elastic& law, law::Kinematics kinematics);
 
 /// Strain energy [J].
 double enriched_energy(const EnrichedElement& element, const EnrichedVector& displacement, const law::Elastic& law,
-                       fem::Kinematics kinematics);
+                       law::Kinematics kinematics);
 } // namespace pdx::xfem

@@ -12,7 +12,7 @@ public:
   /// @param node_rows global row of every local vertex, read at those of cut cells; `sets` must be numbered and outlive
   ///        the Term
   /// @param regions of other materials, by the middle of a whole cell; borrowed until then only; null: all is of `law`
-  EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, fem::Kinematics kinematics,
+  EnrichedTerm(const mesh::Mesh& mesh, const law::Elastic& law, law::Kinematics kinematics,
                const std::vector<PetscInt>& node_rows, const EnrichedSets& sets, const law::Regions* regions = nullptr);
 
   void needed_rows(std::vector<PetscInt>& rows) const override;
@@ -24,7 +24,7 @@ public:
   void linearise(std::span<const double> u) override;
   void couplings(field::Couplings& couplings, bool whole) const override;
   void add_jacobian(field::BlockAdder& adder, bool whole) const override;
-  bool constant_jacobian() const override { return kinematics_ == fem::Kinematics::small; }
+  bool constant_jacobian() const override { return kinematics_ == law::Kinematics::small; }
   bool fixed() const override { return constant_jacobian(); }
   /// On either side of the crack an element is a plain one, with the corner values u or w (`field::Tie`). A quarter of
   /// the side's mass moves with each of the four: total mass, and momentum and kinetic energy of either half alone,
@@ -55,7 +55,7 @@ private:
   /// Calls visit(points, local rows of the corner values, law) for each side of each element that has a part.
   template <class Visit> void for_each_side(Visit&& visit) const;
 
-  fem::Kinematics kinematics_;
+  law::Kinematics kinematics_;
   std::vector<Part> parts_;
   std::vector<GlobalTie> ties_; ///< one per owned set
   Index owned_rows_ = 0;

@@ -30,7 +30,7 @@ struct Ring {
       change(first, second);
       list = {first, second};
     }
-    bonds = std::make_unique<couple::CarriedBonds<2>>(rows, std::move(points), std::move(list), pd::Kinematics::linear,
+    bonds = std::make_unique<couple::CarriedBonds<2>>(rows, std::move(points), std::move(list), law::Kinematics::small,
                                                       true);
     std::vector<PetscInt> needed;
     bonds->needed_rows(needed);
@@ -64,7 +64,7 @@ struct Ring {
   pd::Broken break_at(double stretch, const std::vector<double>& critical)
   {
     std::vector<pd::BreakRule> rules;
-    for (const double s0 : critical) rules.push_back({pd::Kinematics::linear, s0, nullptr});
+    for (const double s0 : critical) rules.push_back({law::Kinematics::small, s0, nullptr});
     std::vector<double> ratios;
     bonds->overstretched(moved(2.0 * stretch), rules, ratios);
     const pd::Broken mine = bonds->break_bonds(moved(2.0 * stretch), rules);

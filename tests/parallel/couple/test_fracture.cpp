@@ -12,7 +12,8 @@ using couple::Release;
 using couple::Scheme;
 
 namespace {
-options::SceneOptions plate(Scheme scheme = Scheme::energy, options::Kinematics kinematics = options::Kinematics::small)
+options::SceneOptions plate(Scheme scheme = Scheme::energy,
+                            options::KinematicsOption kinematics = options::KinematicsOption::small)
 {
   auto options = test::with_patch(test::held_plate({10, 10}), {{0.2, 0.2}, {0.8, 0.8}}, 0.05);
   options.scheme = scheme;
@@ -30,7 +31,7 @@ Vector<2> opening(const Vector<2>& x)
 /// Strains everything, the interface too.
 Vector<2> wild(const Vector<2>& x) { return 4e-3 * test::noise(7)(x) + Vector<2>(0.03 * x.x(), 0.01 * x.y()); }
 
-FractureRule all_above(double stretch, pd::Kinematics kinematics = pd::Kinematics::linear)
+FractureRule all_above(double stretch, law::Kinematics kinematics = law::Kinematics::small)
 {
   FractureRule options;
   options.critical_stretch = {stretch};
@@ -61,11 +62,11 @@ std::map<std::pair<long, long>, double> damage_map(test::Scene& scene, double dx
 TEST(Fracture, DissipatedIsTheEnergyThatIsGone)
 {
   for (const Scheme scheme : {Scheme::energy, Scheme::ghost})
-    for (const auto kinematics : {options::Kinematics::small, options::Kinematics::mixed}) {
+    for (const auto kinematics : {options::KinematicsOption::small, options::KinematicsOption::mixed}) {
       test::Scene scene(plate(scheme, kinematics));
-      const auto linear = kinematics == options::Kinematics::small;
+      const auto linear = kinematics == options::KinematicsOption::small;
       Fracture fracture(*scene.d().bonds, scene.d().carried,
-                        all_above(0.06, linear ? pd::Kinematics::linear : pd::Kinematics::finite));
+                        all_above(0.06, linear ? law::Kinematics::small : law::Kinematics::finite));
       const auto u = scene.blocks(wild);
       const double before = scene.energy(u), carried = scene.sum(scene.d().carried->energy(u));
       const std::int64_t broken = fracture.apply(u);
@@ -191,8 +192,8 @@ TEST(Fracture, WorstBreaksItsShare)
 
 TEST(Fracture, RestoreGoesBackAsOftenAsAsked)
 {
-  test::Scene scene(plate(Scheme::energy, options::Kinematics::mixed));
-  Fracture fracture(*scene.d().bonds, scene.d().carried, all_above(0.08, pd::Kinematics::finite));
+  test::Scene scene(plate(Scheme::energy, options::KinematicsOption::mixed));
+  Fracture fracture(*scene.d().bonds, scene.d().carried, all_above(0.08, law::Kinematics::finite));
   const auto u = scene.blocks(wild), v = scene.blocks([](const Vector<2>&x) -> Vector<2> { return 1.3 * wild(x); });
   const auto start = scene.internal_force(u);
   fracture.apply(v);
@@ -254,7 +255,7 @@ TEST(Fracture, DamageBesideAStraightCrackByHand)
   test::Scene cut(test::held_particles(20)), torn(test::held_particles(20));
   cut.d().bonds->cut(crack::CrackSet({{{-9.0, 0.5}, {9.0, 0.5}}}, geom::Box<2>{{-1.0, -1.0}, {2.0, 2.0}}));
   expect(cut, true);
-  Fracture fracture(*torn.d().bonds, nullptr, all_above(0.01, pd::Kinematics::finite));
+  Fracture fracture(*torn.d().bonds, nullptr, all_above(0.01, law::Kinematics::finite));
   fracture.apply(torn.blocks([](const Vector<2>& x) { return Vector<2>(0.0, x.y() > 0.5 ? 0.2 : 0.0); }));
   expect(torn, false);
 }

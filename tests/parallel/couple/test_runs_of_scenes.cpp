@@ -7,7 +7,7 @@ namespace {
 constexpr double kEqual = 1e-13; // of the largest force
 
 options::SceneOptions plate(const geom::Box<2>& patch, double dx,
-                            options::Kinematics kinematics = options::Kinematics::finite)
+                            options::KinematicsOption kinematics = options::KinematicsOption::finite)
 {
   auto options = test::with_patch(test::held_plate({16, 16}), patch, dx);
   options.kinematics = kinematics;
@@ -81,7 +81,7 @@ double difference(const options::SceneOptions& options)
 TEST(RunsOfScenes, HaveTheForcesOfBondsByIndex)
 {
   for (const double spacings : {1.0, 2.0, 2.5, 4.0})
-    for (const auto kinematics : {options::Kinematics::small, options::Kinematics::finite})
+    for (const auto kinematics : {options::KinematicsOption::small, options::KinematicsOption::finite})
       EXPECT_LE(difference(plate(kMiddle, 0.0625 / spacings, kinematics)), kEqual) << spacings;
 }
 

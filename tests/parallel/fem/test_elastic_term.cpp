@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 using namespace pdx;
-using fem::Kinematics;
+using law::Kinematics;
 
 namespace {
 const law::Elastic kLaw{10.0, 0.3, law::Plane::stress, 0.2};

@@ -30,7 +30,7 @@ std::array<double, 3> resultant(const mesh::Mesh& mesh, test::ElasticProblem& pr
 TEST(Loads, TractionAddsUpToForceAndMomentOfTheSide)
 {
   const mesh::Mesh mesh = distorted();
-  test::ElasticProblem problem(mesh, kLaw, fem::Kinematics::small);
+  test::ElasticProblem problem(mesh, kLaw, law::Kinematics::small);
   fem::add_traction(mesh, *mesh.boundary("right"), {5.0, -3.0}, kLaw.thickness, problem.loads());
   const auto sum = resultant(mesh, problem); // side of 2 m x 0.5 m at x = 3 m, centre at y = 1 m
   EXPECT_NEAR(sum[0], 5.0, 1e-13);
@@ -41,7 +41,7 @@ TEST(Loads, TractionAddsUpToForceAndMomentOfTheSide)
 TEST(Loads, ConstantBodyForceAddsUpToWeightAtTheCentroid)
 {
   const mesh::Mesh mesh = distorted();
-  test::ElasticProblem problem(mesh, kLaw, fem::Kinematics::small);
+  test::ElasticProblem problem(mesh, kLaw, law::Kinematics::small);
   fem::add_body_force(
       mesh, [](const Vector<2>&) { return Vector<2>(2.0, -1.0); }, kLaw.thickness, problem.loads());
   const auto sum = resultant(mesh, problem); // volume 3 m^3, centroid (1.5, 1)
@@ -55,7 +55,7 @@ TEST(Loads, CoveredCellsTakeNoLoad)
   mesh::Mesh mesh = test::grid_mesh(PETSC_COMM_WORLD, {kBox, {6, 4}, {}});
   for (Index c = 0; c < mesh.cells(); ++c)
     if (mesh.centroid(c).y() > 1.5) mesh.cover(c, 0); // the upper row
-  test::ElasticProblem problem(mesh, kLaw, fem::Kinematics::small);
+  test::ElasticProblem problem(mesh, kLaw, law::Kinematics::small);
   fem::add_traction(mesh, *mesh.boundary("right"), {1.0, 0.0}, kLaw.thickness, problem.loads());
   fem::add_traction(mesh, *mesh.boundary("top"), {100.0, 0.0}, kLaw.thickness, problem.loads());
   fem::add_body_force(

@@ -19,7 +19,7 @@ TEST(NodalStress, UniformStrainIsExactOnDistortedCellsWhateverTheirUse)
     u.push_back(1e-3 * mesh.point(v).x() + 2e-3 * mesh.point(v).y());
     u.push_back(-5e-4 * mesh.point(v).y());
   }
-  const auto stress = fem::nodal_stress({mesh, kLaw, fem::Kinematics::small}, u);
+  const auto stress = fem::nodal_stress({mesh, kLaw, law::Kinematics::small}, u);
   ASSERT_EQ(stress.size(), 3 * static_cast<std::size_t>(mesh.owned_vertices()));
   const double expected[3] = {200e9 / 0.9375 * 8.75e-4, 200e9 / 0.9375 * -2.5e-4, 80e9 * 2e-3};
   for (std::size_t i = 0; i < stress.size(); ++i) EXPECT_NEAR(stress[i], expected[i % 3], 1e-4); // 1e-12 of it
@@ -36,7 +36,7 @@ TEST(NodalStress, IsTheMeanOfTheCellsAroundANode)
     u.push_back(x < 1.5 ? 1e-3 * x : 4e-3);
     u.push_back(0.0);
   }
-  const auto stress = fem::nodal_stress({mesh, law, fem::Kinematics::small}, u);
+  const auto stress = fem::nodal_stress({mesh, law, law::Kinematics::small}, u);
   for (Index v = 0; v < mesh.owned_vertices(); ++v)
     EXPECT_NEAR(stress[3 * static_cast<std::size_t>(v)], 1000.0 * (1.0 + mesh.point(v).x()), 1e-9);
 }

@@ -9,7 +9,7 @@
 
 using namespace pdx;
 using crack::CrackSet;
-using pd::Kinematics;
+using law::Kinematics;
 
 using pdx::test::rank;
 using pdx::test::ranks;
@@ -61,7 +61,7 @@ struct Patch {
   std::set<Pair> bonds;             ///< intact ones, kept by the test
   std::map<Pair, double> stiffness; ///< kappa by step; both halves [N]
 
-  explicit Patch(Kinematics kinematics = Kinematics::linear, bool assembled = false, double ratio = 4.0,
+  explicit Patch(Kinematics kinematics = Kinematics::small, bool assembled = false, double ratio = 4.0,
                  const pd::Exists<2>& exists = {})
       : arms(stencil(ratio))
   {
@@ -175,7 +175,7 @@ struct Patch {
 double stretch(const Field& u, Index i, Index j, Kinematics kinematics)
 {
   const Vector<2> xi = point(j) - point(i), eta = u(point(j)) - u(point(i));
-  return kinematics == Kinematics::linear ? xi.dot(eta) / xi.squaredNorm() : (xi + eta).norm() / xi.norm() - 1.0;
+  return kinematics == Kinematics::small ? xi.dot(eta) / xi.squaredNorm() : (xi + eta).norm() / xi.norm() - 1.0;
 }
 
 CrackSet slanted()
@@ -229,7 +229,7 @@ std::vector<double> tangent_times(Patch& patch, const Field& u, const Field& x, 
 TEST(BrokenBonds, CutBondsAreThoseThatACrackParts)
 {
   for (const double ratio : {4.0, 6.6}) { // one and two words
-    Patch patch(Kinematics::linear, false, ratio);
+    Patch patch(Kinematics::small, false, ratio);
     const CrackSet cracks = slanted();
     const std::int64_t cut = sum(patch.term->cut(cracks));
     EXPECT_EQ(cut, patch.expect_gone([&](Index i, Index j) { return cracks.cuts(point(i), point(j)); }));
@@ -241,7 +241,7 @@ TEST(BrokenBonds, CutBondsAreThoseThatACrackParts)
 
 TEST(BrokenBonds, ABreakPassTakesOutWhatIsOverstretched)
 {
-  for (const Kinematics kinematics : {Kinematics::linear, Kinematics::finite})
+  for (const Kinematics kinematics : {Kinematics::small, Kinematics::finite})
     for (const double ratio : {4.0, 6.6}) {
       Patch patch(kinematics, false, ratio);
       constexpr double s0 = 0.02;
@@ -266,7 +266,7 @@ TEST(BrokenBonds, ABreakPassTakesOutWhatIsOverstretched)
       for (const double r : gather_all(PETSC_COMM_WORLD, ratios)) most = std::max(most, r);
       EXPECT_NEAR(most, largest, 1e-11 * largest);
       patch.check_bonds();
-      if (kinematics == Kinematics::linear) patch.check_forces(opening);
+      if (kinematics == Kinematics::small) patch.check_forces(opening);
       EXPECT_EQ(sum(patch.break_at(opening, rule).bonds), 0);
     }
 }
@@ -274,7 +274,7 @@ TEST(BrokenBonds, ABreakPassTakesOutWhatIsOverstretched)
 TEST(BrokenBonds, SurfaceFactorsStayWithTheBondsThatAreLeft)
 {
   const pd::Exists<2> exists = [](const Site<2>& site) { return lattice().contains(site); };
-  Patch patch(Kinematics::linear, false, 4.0, exists);
+  Patch patch(Kinematics::small, false, 4.0, exists);
   std::vector<double> q;
   for (Index site = 0; site < kWide * kHigh; ++site)
     q.push_back(pd::family_share<2>(patch.arms, lattice().site(site), exists));
@@ -282,9 +282,9 @@ TEST(BrokenBonds, SurfaceFactorsStayWithTheBondsThatAreLeft)
   patch.term->cut(cracks);
   patch.expect_gone([&](Index i, Index j) { return cracks.cuts(point(i), point(j)); });
   double energy = 0.0;
-  const pd::Broken broken = patch.break_at(opening, {Kinematics::linear, 0.02, nullptr});
+  const pd::Broken broken = patch.break_at(opening, {Kinematics::small, 0.02, nullptr});
   patch.expect_gone([&](Index i, Index j) {
-    const double s = stretch(opening, i, j, Kinematics::linear);
+    const double s = stretch(opening, i, j, Kinematics::small);
     if (s <= 0.02) return false;
     const double length = (point(j) - point(i)).norm();
     energy += 0.5 * patch.factor(i, j, q) * patch.stiffness.at(Patch::step(i, j)) * s * s * length;
@@ -297,7 +297,7 @@ TEST(BrokenBonds, SurfaceFactorsStayWithTheBondsThatAreLeft)
 TEST(BrokenBonds, TheTangentWithoutAMatrixIsTheAssembledOne)
 {
   const Field x = [](const Vector<2>& p) { return Vector<2>(std::sin(7.0 * p.x() + p.y()), std::cos(9.0 * p.y())); };
-  for (const Kinematics kinematics : {Kinematics::linear, Kinematics::finite}) {
+  for (const Kinematics kinematics : {Kinematics::small, Kinematics::finite}) {
     Patch free(kinematics, false), whole(kinematics, true);
     for (Patch* patch : {&free, &whole}) {
       patch->term->cut(slanted());
@@ -351,15 +351,15 @@ TEST(BrokenBonds, NothingFailsInANoFailBox)
   Patch patch;
   const geom::Box<2> box{{2.9, 3.0}, {4.1, 4.1}};
   patch.term->protect({&box, 1});
-  patch.break_at(opening, {Kinematics::linear, 0.01, nullptr});
+  patch.break_at(opening, {Kinematics::small, 0.01, nullptr});
   const std::int64_t spared =
       static_cast<std::int64_t>(std::count_if(patch.bonds.begin(), patch.bonds.end(), [&](const Pair& b) {
-        return stretch(opening, b.first, b.second, Kinematics::linear) > 0.01 &&
+        return stretch(opening, b.first, b.second, Kinematics::small) > 0.01 &&
                (box.contains(point(b.first)) || box.contains(point(b.second)));
       }));
   EXPECT_GT(spared, 50);
   patch.expect_gone([&](Index i, Index j) {
-    return stretch(opening, i, j, Kinematics::linear) > 0.01 && !box.contains(point(i)) && !box.contains(point(j));
+    return stretch(opening, i, j, Kinematics::small) > 0.01 && !box.contains(point(i)) && !box.contains(point(j));
   });
   patch.check_bonds();
   const CrackSet cracks = slanted(); // a precrack goes through all the same

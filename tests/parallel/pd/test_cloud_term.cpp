@@ -10,7 +10,7 @@
 
 namespace pdx::test::cloud_term {
 namespace {
-using pd::Kinematics;
+using law::Kinematics;
 
 constexpr double kDx = 0.25, kThickness = 0.5;
 const auto go_on = [] { return solve::TimeDriver::Verdict::go_on; };
@@ -184,7 +184,7 @@ template <int Dim> void expect_lattice_answers(const Site<Dim>& count, Kinematic
 
 TEST(CloudTerm, GivesTheLatticesAnswersOnItsPoints)
 {
-  for (const Kinematics kinematics : {Kinematics::linear, Kinematics::finite}) {
+  for (const Kinematics kinematics : {Kinematics::small, Kinematics::finite}) {
     expect_lattice_answers<2>({17, 12}, kinematics);
     expect_lattice_answers<3>({9, 8, 7}, kinematics);
   }
@@ -238,7 +238,7 @@ TEST(CloudTerm, TakesOverBrokenBondsFromWords)
 
 TEST(CloudTerm, KeepsItsEnergy)
 {
-  Dealt<2> d(PETSC_COMM_WORLD, strewn<2>(lattice_of<2>({15, 11}), 0.3), options(2, 3.0), Kinematics::linear);
+  Dealt<2> d(PETSC_COMM_WORLD, strewn<2>(lattice_of<2>({15, 11}), 0.3), options(2, 3.0), Kinematics::small);
   for (const Index k : d.mine) {
     const Vector<2> v = moved<2>(d.at(k));
     d.system.initial_velocity.insert(d.system.initial_velocity.end(), {v[0], v[1]});
@@ -280,7 +280,7 @@ TEST(CloudTerm, RefusesAlikeOnEveryRankWhatOneRankSees)
   pd::Cloud<2> cloud = strewn<2>(lattice_of<2>({15, 11}), 0.3);
   const auto message = [&](double ratio) -> std::string {
     try {
-      const Dealt<2> d(PETSC_COMM_WORLD, cloud, options(2, ratio), Kinematics::linear);
+      const Dealt<2> d(PETSC_COMM_WORLD, cloud, options(2, ratio), Kinematics::small);
     } catch (const UserError& error) {
       return error.what();
     }

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace pdx::test::csr_part {
-using pd::Kinematics;
+using law::Kinematics;
 
 namespace {
 constexpr double kDx = 0.25;
@@ -94,7 +94,7 @@ template <int Dim> void expect_lattice_answers(Both<Dim>& both, Kinematics kinem
 
 TEST(CsrPart, GivesTheLatticesAnswers)
 {
-  for (const auto kinematics : {Kinematics::linear, Kinematics::finite}) {
+  for (const auto kinematics : {Kinematics::small, Kinematics::finite}) {
     Both<2> conical({40, 23}, 4.0, law::Micromodulus::conical);
     expect_lattice_answers(conical, kinematics);
     Both<2> uniform({40, 23}, 3.015, law::Micromodulus::uniform);

@@ -123,7 +123,7 @@ TEST(LatticePart, ForcesMatchADoubleLoopOverAllPairs)
   auto window = share.part->window();
   share.part->load(share.u, window);
   std::vector<double> force(share.u.size(), 0.0);
-  pd::add_force<2>(share.part->view(window), share.part->force_runs(), pd::Kinematics::linear, force.data());
+  pd::add_force<2>(share.part->view(window), share.part->force_runs(), law::Kinematics::small, force.data());
   const geom::Lattice<2> grid = lattice();
   for (std::size_t k = 0; k < share.sites.size(); ++k) {
     const Index i = share.sites[k];

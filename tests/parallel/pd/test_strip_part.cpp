@@ -10,7 +10,7 @@
 #include <tuple>
 
 namespace pdx::test::strip_part {
-using pd::Kinematics;
+using law::Kinematics;
 
 namespace {
 constexpr double kDx = 0.25;
@@ -156,7 +156,7 @@ crack::CrackSet slit(double width, double height)
 
 TEST(StripPart, ForcesAreThoseOfTheStaticKernel)
 {
-  for (const auto kinematics : {Kinematics::linear, Kinematics::finite})
+  for (const auto kinematics : {Kinematics::small, Kinematics::finite})
     for (const bool shares : {false, true})
       for (const double size : {1e-5, 5e-4, 2e-3, 1e-2, 5e-2}) { // all series, and the root
         SCOPED_TRACE(testing::Message() << "finite " << int(kinematics == Kinematics::finite) << " shares " << shares
@@ -181,7 +181,7 @@ TEST(StripPart, ForcesOfOtherStencilsAndSizes)
 
 TEST(StripPart, ForcesInSpace)
 {
-  for (const auto kinematics : {Kinematics::linear, Kinematics::finite}) {
+  for (const auto kinematics : {Kinematics::small, Kinematics::finite}) {
     Options<3> o{{23, 11, 13}, 3.015, law::Micromodulus::uniform, kinematics};
     expect_static_force<3>(o, 1e-3);
     o.shares = true;
@@ -238,7 +238,7 @@ template <int Dim> void expect_same_broken(Options<Dim> o)
 
 TEST(StripPart, BreaksTheBondsOfTheStaticWay)
 {
-  for (const auto kinematics : {Kinematics::linear, Kinematics::finite}) {
+  for (const auto kinematics : {Kinematics::small, Kinematics::finite}) {
     Options<2> o{{90, 50}};
     o.kinematics = kinematics;
     o.precrack = slit(90 * kDx, 50 * kDx);

@@ -27,7 +27,7 @@ std::vector<post::ContourJ> j_of(const test::BarePatch& patch, const test::Field
                                  const std::vector<post::SquareContour>& contours)
 {
   const std::vector<double> u = patch.displacement(field), w = patch.density(u);
-  return post::nonlocal_j({patch.comm, patch.part(), pd::Kinematics::linear, u, w, 1}, direction, contours);
+  return post::nonlocal_j({patch.comm, patch.part(), law::Kinematics::small, u, w, 1}, direction, contours);
 }
 
 std::string refusal(const post::SquareContour& contour, int margin = 1)
@@ -35,7 +35,7 @@ std::string refusal(const post::SquareContour& contour, int margin = 1)
   const test::BarePatch patch(PETSC_COMM_WORLD, kLattice, 3.0, owner);
   const std::vector<double> u = patch.displacement(wavy), w = patch.density(u);
   try {
-    post::nonlocal_j({patch.comm, patch.part(), pd::Kinematics::linear, u, w, margin}, Vector<2>::UnitX(),
+    post::nonlocal_j({patch.comm, patch.part(), law::Kinematics::small, u, w, margin}, Vector<2>::UnitX(),
                      {&contour, 1});
   } catch (const UserError& error) {
     return error.what();
@@ -93,7 +93,7 @@ TEST(NonlocalJ, OfFiniteBondsMatchesADoubleLoopOverAllPairs)
   const std::vector<double> u = patch.displacement(field), w(static_cast<std::size_t>(patch.rows.owned()), 0.0);
   const post::SquareContour contour{kMiddle, 2.0};
   const double found =
-      post::nonlocal_j({patch.comm, patch.part(), pd::Kinematics::finite, u, w, 1}, direction, {&contour, 1})[0].j;
+      post::nonlocal_j({patch.comm, patch.part(), law::Kinematics::finite, u, w, 1}, direction, {&contour, 1})[0].j;
 
   const auto slope = [&](const Vector<2>& x) -> Vector<2> {
     return (0.6 * (field(x + ex) - field(x - ex)) + 0.8 * (field(x + ey) - field(x - ey))) / (2.0 * dx);
@@ -128,7 +128,7 @@ TEST(NonlocalJ, TakesTheMeanOfTheColumnsOnEitherSideForW)
   std::vector<double> w(static_cast<std::size_t>(patch.rows.first_particle()), 1e6);
   for (std::size_t k = 0; k < patch.part().sites().size(); ++k) w.push_back(patch.point(k).x());
   const post::SquareContour contour{kMiddle, 2.0};
-  const post::PatchState state{patch.comm, patch.part(), pd::Kinematics::linear, u, w, 1};
+  const post::PatchState state{patch.comm, patch.part(), law::Kinematics::small, u, w, 1};
   EXPECT_NEAR(post::nonlocal_j(state, Vector<2>::UnitX(), {&contour, 1})[0].j, 4.0, 1e-12);
   EXPECT_NEAR(post::nonlocal_j(state, Vector<2>::UnitY(), {&contour, 1})[0].j, 0.0, 1e-12);
 }
@@ -184,7 +184,7 @@ TEST(NonlocalJ, VanishesInAPatchAmongElements)
   const int reach = part.stencil().reach;
   const post::SquareContour widest{{0.5, 0.5}, 0.5 - 2.0 * reach / 48};
   const auto found =
-      post::nonlocal_j({PETSC_COMM_WORLD, part, pd::Kinematics::linear, u, w, reach}, Vector<2>::UnitX(), {&widest, 1});
+      post::nonlocal_j({PETSC_COMM_WORLD, part, law::Kinematics::small, u, w, reach}, Vector<2>::UnitX(), {&widest, 1});
   EXPECT_NEAR(found[0].j, 0.0, 1e-10 * 3.0 * 1e-6 * widest.side);
 }
 } // namespace pdx::test::nonlocal_j

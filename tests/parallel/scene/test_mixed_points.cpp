@@ -29,7 +29,7 @@ options::SceneOptions square_of_points(const std::vector<geom::Box<2>>& patches,
   options::SceneOptions options;
   options.elastic = test::plane_stress();
   options.elastic.density = 1.0;
-  options.kinematics = options::Kinematics::finite;
+  options.kinematics = options::KinematicsOption::finite;
   options.scheme = scheme;
   options.time.analysis = options::Analysis::explicit_dynamics;
   options::PointBodyOptions body;

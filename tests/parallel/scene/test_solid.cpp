@@ -172,7 +172,7 @@ TEST(Solid, IsHeldOnRowsUnderASideAsFarAsItsBoxReaches)
 options::SceneOptions torn()
 {
   options::SceneOptions options = block(14, 12, 5);
-  options.kinematics = options::Kinematics::finite;
+  options.kinematics = options::KinematicsOption::finite;
   options.pd.surface_correction = options::SurfaceCorrection::automatic;
   options.cracks.lines = {{{-1.0, 0.6}, {0.45, 0.6}}};
   options.fracture.critical_stretch = 0.01;

@@ -50,7 +50,7 @@ options::SceneOptions cube_of_points(const std::vector<geom::Box<3>>& boxes)
   options::SceneOptions options;
   options.solid = true;
   options.elastic = {3.0, 0.25, law::Plane::strain, 1.0, 1.0};
-  options.kinematics = options::Kinematics::finite;
+  options.kinematics = options::KinematicsOption::finite;
   options.time.analysis = options::Analysis::explicit_dynamics;
   options::PointBodyOptions body;
   body.name = "cube";

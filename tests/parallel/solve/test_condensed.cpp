@@ -114,7 +114,7 @@ TEST(Condensed, AsksForManySolvesAndALinearSymmetricScene)
   EXPECT_EQ(why_not(unsymmetric, solve::Condense::automatic, 4), "the tangent is not symmetric");
   EXPECT_THROW(why_not(unsymmetric, solve::Condense::on, 4), UserError);
   options::SceneOptions finite = plate_with_patch();
-  finite.kinematics = options::Kinematics::finite;
+  finite.kinematics = options::KinematicsOption::finite;
   test::Scene nonlinear(finite);
   EXPECT_EQ(why_not(nonlinear, solve::Condense::automatic, 4), "no elements of small strain");
 }

@@ -10,7 +10,7 @@ namespace {
 /// where the plate moves more than `limit`, ten in a pass on each rank.
 struct HangingPlate {
   explicit HangingPlate(double limit, bool assembled = false,
-                        options::Kinematics kinematics = options::Kinematics::small)
+                        options::KinematicsOption kinematics = options::KinematicsOption::small)
       : scene(options(kinematics), assembled)
   {
     const field::Rows& rows = scene.rows();
@@ -22,7 +22,7 @@ struct HangingPlate {
     scene.system().terms.push_back(std::make_unique<test::Springs>(springs));
   }
   void breakable() { scene.system().after.push_back(std::make_unique<test::SpringBreaker>(springs, rows().comm, 10)); }
-  static options::SceneOptions options(options::Kinematics kinematics)
+  static options::SceneOptions options(options::KinematicsOption kinematics)
   {
     auto options = test::pulled_particles(40, {3e-2, 1e-2});
     options.kinematics = kinematics;
@@ -56,7 +56,7 @@ Outcome run(HangingPlate& plate, const solve::StaticOptions& options)
 double difference(const VecHandle& a, const VecHandle& b) { return test::difference(a.get(), b.get(), NORM_2); }
 
 /// The same broken springs, solved from zero at full load to the relative tolerance.
-VecHandle cold(const HangingPlate& broken, options::Kinematics kinematics)
+VecHandle cold(const HangingPlate& broken, options::KinematicsOption kinematics)
 {
   HangingPlate plate(0.0, false, kinematics);
   plate.springs = broken.springs;
@@ -78,7 +78,7 @@ TEST(KeptPreconditioner, ServesManyPassesAndEndsWhereAColdSolveEnds)
   EXPECT_EQ(kept.report.preconditioner_builds, 1);
   // Nothing changed before the quiet passes: no tangent for the solve after them.
   EXPECT_EQ(kept.report.jacobian_assemblies, 1 + kept.report.passes - kept.report.steps);
-  EXPECT_LT(difference(kept.u, cold(plate, options::Kinematics::small)), 1e-8);
+  EXPECT_LT(difference(kept.u, cold(plate, options::KinematicsOption::small)), 1e-8);
 }
 
 TEST(KeptPreconditioner, IsBuiltAnewWhenIterationsGrow)
@@ -101,17 +101,17 @@ TEST(KeptPreconditioner, IsBuiltAnewAfterARestore)
   const Outcome r = run(plate, {.load_steps = 1, .max_passes = 4, .max_halvings = 10});
   EXPECT_GT(r.report.halvings, 0);
   EXPECT_EQ(r.report.preconditioner_builds, 1 + r.report.halvings);
-  EXPECT_LT(difference(r.u, cold(plate, options::Kinematics::small)), 1e-8);
+  EXPECT_LT(difference(r.u, cold(plate, options::KinematicsOption::small)), 1e-8);
 }
 
 TEST(KeptPreconditioner, NewtonKeepsItAndConverges)
 {
-  HangingPlate plate(kLimit, false, options::Kinematics::finite);
+  HangingPlate plate(kLimit, false, options::KinematicsOption::finite);
   plate.breakable();
   const Outcome kept = run(plate, {.load_steps = 2});
   EXPECT_GT(kept.report.passes, 4);
   EXPECT_LE(2 * kept.report.preconditioner_builds, kept.report.newton_iterations);
-  EXPECT_LT(difference(kept.u, cold(plate, options::Kinematics::finite)), 1e-8);
+  EXPECT_LT(difference(kept.u, cold(plate, options::KinematicsOption::finite)), 1e-8);
 }
 
 TEST(KeptPreconditioner, AFactorThatIsTheSolverFollowsEveryChange)
@@ -126,7 +126,7 @@ TEST(KeptPreconditioner, AFactorThatIsTheSolverFollowsEveryChange)
   EXPECT_EQ(r.report.preconditioner_builds, r.report.jacobian_assemblies);
   PDX_CALL(PetscOptionsClearValue(nullptr, "-ksp_type"));
   PDX_CALL(PetscOptionsClearValue(nullptr, "-pc_type"));
-  EXPECT_LT(difference(r.u, cold(plate, options::Kinematics::small)), 1e-8);
+  EXPECT_LT(difference(r.u, cold(plate, options::KinematicsOption::small)), 1e-8);
 }
 
 TEST(Tolerance, WarmSolvesStopAtTheForceScaleOfTheLoad)

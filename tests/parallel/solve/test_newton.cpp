@@ -13,7 +13,7 @@ options::SceneOptions stretched_plate(couple::Scheme scheme)
   options.conditions[1].displacement = {0.1, 0.05};
   options = test::with_patch(options, {{0.25, 0.25}, {0.75, 0.75}}, 1.0 / 24);
   options.scheme = scheme;
-  options.kinematics = options::Kinematics::finite;
+  options.kinematics = options::KinematicsOption::finite;
   return options;
 }
 } // namespace
@@ -55,7 +55,7 @@ TEST(Newton, LoadStepsReachTheSameState)
 TEST(Newton, LinearScenesNeedOneIterationAndOneTangentForAllSteps)
 {
   auto options = stretched_plate(couple::Scheme::energy);
-  options.kinematics = options::Kinematics::small;
+  options.kinematics = options::KinematicsOption::small;
   test::Scene scene(options);
   scene.solve(3);
   EXPECT_EQ(scene.report().newton_iterations, 3);

@@ -8,14 +8,14 @@ using couple::Scheme;
 namespace {
 struct Case {
   Scheme scheme;
-  options::Kinematics kinematics;
+  options::KinematicsOption kinematics;
   bool surface = false; ///< volume method everywhere, the papers' constants
   bool cracked = false; ///< by a crack through elements into a patch, and by bonds that broke
 };
 
 const std::vector<Case>& cases()
 {
-  using options::Kinematics;
+  using options::KinematicsOption;
   static const std::vector<Case> all = [] {
     std::vector<Case> list;
     for (const Scheme scheme : {Scheme::energy, Scheme::ghost, Scheme::interface})

@@ -16,7 +16,7 @@ using JumpField = std::function<Vector<2>(const Vector<2>& x, xfem::Side side)>;
 struct CutBodyOptions {
   std::vector<crack::Polyline> cracks; ///< [m]
   Grid grid{{{0.0, 0.0}, {1.0, 1.0}}, {6, 6}, {}};
-  fem::Kinematics kinematics = fem::Kinematics::small;
+  law::Kinematics kinematics = law::Kinematics::small;
   std::function<bool(const Vector<2>& centroid)> covered; ///< empty: no cell is
   xfem::EnrichmentRule rule;
   law::Elastic law{10.0, 0.3, law::Plane::stress, 0.2};

@@ -8,7 +8,7 @@
 #include <random>
 
 using namespace pdx;
-using fem::Kinematics;
+using law::Kinematics;
 using test::CutBody;
 using test::CutBodyOptions;
 using test::JumpField;

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 using namespace pdx;
-using fem::Kinematics;
+using law::Kinematics;
 
 namespace {
 constexpr double kYoung = 70e9, kThickness = 2e-3;

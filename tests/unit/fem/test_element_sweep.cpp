@@ -8,7 +8,7 @@
 
 using namespace pdx;
 using fem::ElementSweep;
-using fem::Kinematics;
+using law::Kinematics;
 
 namespace element_sweeps {
 const law::Elastic kPlate{70e9, 0.3, law::Plane::stress, 2e-3};

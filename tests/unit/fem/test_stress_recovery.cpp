@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 using namespace pdx;
-using fem::Kinematics;
+using law::Kinematics;
 
 TEST(StressRecovery, UniformStrainGivesTheSameStressInEveryCornerOfADistortedCell)
 {

@@ -6,8 +6,8 @@
 
 namespace {
 using namespace pdx;
+using law::Kinematics;
 using law::Micromodulus;
-using pd::Kinematics;
 using test::at;
 using test::Window;
 using test::WindowOptions;
@@ -106,9 +106,9 @@ TEST(BondKernel, LinearKernelsEqualSumsOverPairs)
 {
   in_every_scene([]<int Dim>(const Window<Dim>& window) {
     const Rows u = window.random_vector(0.05 * window.kDx, 1);
-    const Reference<Dim> reference(window, u, u, Kinematics::linear);
+    const Reference<Dim> reference(window, u, u, Kinematics::small);
     expect_sums_over_pairs<Dim>(
-        window, reference, Kinematics::linear,
+        window, reference, Kinematics::small,
         [&](const auto& view, double* y) { pd::subtract_neighbours<Dim>(view, window.runs, y); },
         [&](const auto& view, double* d) { pd::diagonal_blocks<Dim>(view, window.runs, d); });
   });
@@ -143,7 +143,7 @@ template <int Dim> void expect_run_writes_only_its_rows(const Window<Dim>& windo
 {
   const auto spread = window.spread(u);
   const auto view = window.view(spread);
-  const Reference<Dim> linear(window, u, u, Kinematics::linear), finite(window, u, u, Kinematics::finite);
+  const Reference<Dim> linear(window, u, u, Kinematics::small), finite(window, u, u, Kinematics::finite);
   const std::size_t first = static_cast<std::size_t>(run.row) * Dim, count = static_cast<std::size_t>(run.length) * Dim;
   const auto compare = [&](const Rows& out, const Rows& reference) {
     for (std::size_t k = 0; k < out.size(); ++k) {

@@ -8,7 +8,7 @@
 
 namespace {
 using namespace pdx;
-using pd::Kinematics;
+using law::Kinematics;
 using test::at;
 using test::Window;
 using Rows = std::vector<double>;
@@ -81,7 +81,7 @@ TEST(BondForce, IsZeroAtRestAndUnderTranslation)
   in_plate_and_solid([]<int Dim>(const Window<Dim>& window) {
     for (const double shift : {0.0, 0.3 * window.kDx}) {
       const Rows u(static_cast<std::size_t>(window.rows()) * Dim, shift);
-      for (const auto kinematics : {Kinematics::finite, Kinematics::linear}) {
+      for (const auto kinematics : {Kinematics::finite, Kinematics::small}) {
         EXPECT_EQ(largest(force(window, u, kinematics)), 0.0);
         EXPECT_EQ(energy(window, u, kinematics), 0.0);
       }
@@ -107,7 +107,7 @@ TEST(BondForce, FiniteIsZeroUnderRotationAndLinearUnderSpin)
             1e-12 * kappa3);
   Tensor<2> spin;
   spin << 0.0, -0.1, 0.1, 0.0;
-  EXPECT_LT(largest(force<2>(plate(), turned<2>(plate(), spin), Kinematics::linear)), 1e-12 * kappa2);
+  EXPECT_LT(largest(force<2>(plate(), turned<2>(plate(), spin), Kinematics::small)), 1e-12 * kappa2);
   EXPECT_GT(largest(force<2>(plate(), turned<2>(plate(), spin), Kinematics::finite)), 1e-4 * kappa2);
 }
 
@@ -133,7 +133,7 @@ TEST(BondForce, IsTheGradientOfTheEnergy)
   in_plate_and_solid([]<int Dim>(const Window<Dim>& window) {
     const Rows u = window.random_vector(0.1 * window.kDx, 8), x = window.random_vector(window.kDx, 9);
     const double h = 1e-4;
-    for (const auto kinematics : {Kinematics::finite, Kinematics::linear}) {
+    for (const auto kinematics : {Kinematics::finite, Kinematics::small}) {
       const double slope =
           (energy(window, moved(u, h, x), kinematics) - energy(window, moved(u, -h, x), kinematics)) / (2.0 * h);
       const Rows r = force(window, u, kinematics);
@@ -148,7 +148,7 @@ TEST(BondTangent, IsTheDerivativeOfTheForce)
   in_plate_and_solid([]<int Dim>(const Window<Dim>& window) {
     const Rows u = window.random_vector(0.1 * window.kDx, 10), x = window.random_vector(window.kDx, 11);
     const double h = 1e-4;
-    for (const auto kinematics : {Kinematics::finite, Kinematics::linear}) {
+    for (const auto kinematics : {Kinematics::finite, Kinematics::small}) {
       const Rows ahead = force(window, moved(u, h, x), kinematics), behind = force(window, moved(u, -h, x), kinematics);
       Rows slope(u.size());
       for (std::size_t k = 0; k < u.size(); ++k) slope[k] = (ahead[k] - behind[k]) / (2.0 * h);
@@ -162,7 +162,7 @@ TEST(BondTangent, FiniteAtRestIsTheLinearOne)
 {
   in_plate_and_solid([]<int Dim>(const Window<Dim>& window) {
     const Rows x = window.random_vector(1.0, 12), rest(x.size());
-    const Rows linear = tangent_action(window, rest, x, Kinematics::linear);
+    const Rows linear = tangent_action(window, rest, x, Kinematics::small);
     EXPECT_LT(difference(tangent_action(window, rest, x, Kinematics::finite), linear), 1e-13 * largest(linear));
   });
 }

@@ -9,7 +9,7 @@
 
 namespace {
 using namespace pdx;
-using pd::Kinematics;
+using law::Kinematics;
 using test::at;
 using test::Window;
 
@@ -44,7 +44,7 @@ TEST(Breaker, BreaksWhatIsStretchedBeyondTheCriticalStretch)
   EXPECT_EQ(chain.word, (std::vector<std::uint64_t>{0, 1, 0, 0, 0}));
   EXPECT_EQ(pd::count_bonds(chain.view(), std::span<const pd::Run>(chain.runs)), 1);
   EXPECT_EQ(chain.break_at({Kinematics::finite, 0.015}), 0); // once
-  EXPECT_EQ(chain.break_at({Kinematics::linear, 0.005}), 1);
+  EXPECT_EQ(chain.break_at({Kinematics::small, 0.005}), 1);
   EXPECT_EQ(chain.word, std::vector<std::uint64_t>(5, 0));
 }
 
@@ -55,7 +55,7 @@ TEST(Breaker, BondsOfRegionsHaveTheirOwnCriticalStretch)
   const law::Interface strong{1, 0, 72.0}; // sqrt(72 / 8) = 3 times the stretch; in a sqrt(2 / 8) of it
   const law::Regions regions(solid, 8.0, 8.0, {{"a", {}, solid, 2.0}}, {&strong, 1});
   const std::vector<std::uint8_t> region{0, 1, 1, 0, 0};
-  for (const auto kinematics : {Kinematics::finite, Kinematics::linear}) {
+  for (const auto kinematics : {Kinematics::finite, Kinematics::small}) {
     Chain chain;
     chain.u[0] = {0.0, 0.0, 0.02, 0.06, 0.0}; // s = 0.01 in a, 0.02 from a to the rest
     EXPECT_EQ(chain.break_at({kinematics, 0.021, nullptr, &regions, region.data()}), 0);
@@ -70,7 +70,7 @@ TEST(Breaker, SharesOfBothEndsScaleTheCriticalStretch)
 {
   const std::vector<double> shares{0.0, 0.05, 0.15, -0.25, 0.0}; // 1.2 and 0.9 of it
   const std::vector<double> swelling{0.0, 0.001, 0.001, 0.001, 0.0};
-  for (const auto kinematics : {Kinematics::finite, Kinematics::linear})
+  for (const auto kinematics : {Kinematics::finite, Kinematics::small})
     for (const bool swells : {false, true}) {
       Chain chain;
       chain.u[0] = {0.0, 0.0, 0.02, 0.04, 0.0}; // s = 0.01 of both, and of it 0.002 free
@@ -95,7 +95,7 @@ TEST(Breaker, SqueezedBondsHold)
 {
   Chain chain;
   chain.u[0] = {0.0, 0.0, -0.5, -1.0, 0.0};
-  for (const auto kinematics : {Kinematics::finite, Kinematics::linear})
+  for (const auto kinematics : {Kinematics::finite, Kinematics::small})
     EXPECT_EQ(chain.break_at({kinematics, 1e-6}), 0);
 }
 
@@ -108,7 +108,7 @@ TEST(Breaker, RotationStretchesOnlyTheLinearisedBond)
   }
   EXPECT_EQ(chain.break_at({Kinematics::finite, 1e-12}), 0);
   for (int k = 0; k < 3; ++k) chain.u[0][k + 1] = 0.0; // a shear: sqrt(1 + sin^2 0.1) - 1 = 0.00497
-  EXPECT_EQ(chain.break_at({Kinematics::linear, 1e-12}), 0);
+  EXPECT_EQ(chain.break_at({Kinematics::small, 1e-12}), 0);
   EXPECT_EQ(chain.break_at({Kinematics::finite, 0.0050}), 0);
   EXPECT_EQ(chain.break_at({Kinematics::finite, 0.0049}), 2);
 }
@@ -167,7 +167,7 @@ template <int Dim> void expect_breaks_as_pairs(Window<Dim>& window, Kinematics k
 
 TEST(Breaker, EqualsALoopOverPairs)
 {
-  for (const auto kinematics : {Kinematics::linear, Kinematics::finite}) {
+  for (const auto kinematics : {Kinematics::small, Kinematics::finite}) {
     Window<2> plate({30, 12}, {.ratio = 4.0, .missing = 0.1, .broken = 0.2});
     expect_breaks_as_pairs(plate, kinematics, 0.02);
     Window<2> wide({30, 14}, {6.5, law::Micromodulus::uniform, 0.05, 0.3, false}); // two words

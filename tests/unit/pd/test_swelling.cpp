@@ -6,7 +6,7 @@
 
 namespace {
 using namespace pdx;
-using pd::Kinematics;
+using law::Kinematics;
 using test::at;
 using test::Window;
 using Rows = std::vector<double>;
@@ -59,7 +59,7 @@ template <int Dim> void expect_sums(const Window<Dim>& w, Kinematics kinematics)
 
 TEST(Swelling, IsTakenOffTheStretchOfEachPair)
 {
-  for (const Kinematics kinematics : {Kinematics::linear, Kinematics::finite}) {
+  for (const Kinematics kinematics : {Kinematics::small, Kinematics::finite}) {
     expect_sums<2>(Window<2>({45, 15}, {.ratio = 3.015, .missing = 0.1, .broken = 0.1, .factors = true}), kinematics);
     expect_sums<3>(Window<3>({24, 8, 7}, {.ratio = 3.0, .missing = 0.1, .broken = 0.3}), kinematics);
   }

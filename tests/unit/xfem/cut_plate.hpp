@@ -23,7 +23,7 @@ struct Line {
 struct CutPlate {
   static constexpr double kYoung = 70e9, kThickness = 2e-3;
   pdx::law::Elastic law{kYoung, 0.3, pdx::law::Plane::stress, kThickness};
-  pdx::fem::Kinematics kinematics = pdx::fem::Kinematics::small;
+  pdx::law::Kinematics kinematics = pdx::law::Kinematics::small;
   pdx::xfem::EnrichmentRule rule;
   int n;
   double h;

@@ -107,7 +107,7 @@ public:
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(2 * rows(), 2 * rows());
     for_each_element([&](const EnrichedElement& element, const std::vector<int>& at) {
       const EnrichedMatrix k =
-          enriched_tangent(element, EnrichedVector::Zero(element.unknowns()), law, fem::Kinematics::small);
+          enriched_tangent(element, EnrichedVector::Zero(element.unknowns()), law, law::Kinematics::small);
       std::vector<int> unknowns;
       for (const int row : at) unknowns.insert(unknowns.end(), {2 * row, 2 * row + 1});
       sum(unknowns, unknowns) += k;

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 using namespace pdx;
-using fem::Kinematics;
+using law::Kinematics;
 using xfem::Quadrature;
 using xfem::Side;
 

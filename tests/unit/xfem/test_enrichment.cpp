@@ -139,14 +139,14 @@ TEST(Enrichment, PlateCutThroughAtTwoHundredRandomLinesMovesAsTwoRigidHalves)
   int moved = 0;
   for (int trial = 0; trial < 200; ++trial) {
     CutPlate plate(6, 0.01, trial % 2 ? kSheared : Tensor<2>::Identity());
-    plate.kinematics = trial % 4 < 2 ? fem::Kinematics::small : fem::Kinematics::finite;
+    plate.kinematics = trial % 4 < 2 ? law::Kinematics::small : law::Kinematics::finite;
     const Line line{0.01 * Vector<2>(place(random), place(random)), angle(random)};
     plate.cut(line);
     moved += static_cast<int>(plate.enrichment.dropped.size());
     const auto rigid = [&](const Vector<2>& x, Side side) -> Vector<2> {
       const double turn = side == Side::plus ? 0.3 : -0.2;
       const Vector<2> shift = step(side) * Vector<2>(0.01, -0.02);
-      if (plate.kinematics == fem::Kinematics::small) return shift + turn * Vector<2>(-x.y(), x.x());
+      if (plate.kinematics == law::Kinematics::small) return shift + turn * Vector<2>(-x.y(), x.x());
       const Vector<2> turned(std::cos(turn) * x.x() - std::sin(turn) * x.y(),
                              std::sin(turn) * x.x() + std::cos(turn) * x.y());
       return shift + turned - x;

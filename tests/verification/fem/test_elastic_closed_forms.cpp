@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 using namespace pdx;
-using fem::Kinematics;
+using law::Kinematics;
 
 namespace {
 /// Bar of 2 m x 1 m on distorted cells, left side on rollers, lower left corner fixed.

@@ -52,7 +52,7 @@ double l2_error(const mesh::Mesh& mesh, const std::vector<double>& u)
 double solve_on(const test::Grid& grid)
 {
   const mesh::Mesh mesh = test::grid_mesh(PETSC_COMM_WORLD, grid);
-  test::ElasticProblem problem(mesh, kLaw, fem::Kinematics::small);
+  test::ElasticProblem problem(mesh, kLaw, law::Kinematics::small);
   fem::add_body_force(mesh, body_force, kLaw.thickness, problem.loads());
   problem.prescribe([](const Vector<2>& x, int axis) -> std::optional<double> {
     const double to_side = std::min({x.x(), x.y(), 1.0 - x.x(), 1.0 - x.y()});

@@ -81,7 +81,7 @@ const std::vector<post::SquareContour> kContours{{kTip, 0.25}, {kTip, 0.4}, {kTi
 
 std::vector<post::ContourJ> contour_j(const CrackedPlate& plate, std::span<const post::SquareContour> contours)
 {
-  return post::nonlocal_j({PETSC_COMM_SELF, plate.patch.part(), pd::Kinematics::linear, plate.u, plate.w},
+  return post::nonlocal_j({PETSC_COMM_SELF, plate.patch.part(), law::Kinematics::small, plate.u, plate.w},
                           Vector<2>::UnitX(), contours);
 }
 } // namespace

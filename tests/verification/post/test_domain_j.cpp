@@ -54,7 +54,7 @@ public:
 
   mesh::Mesh& mesh() { return mesh_; }
 
-  double j(const post::DomainRing& ring, fem::Kinematics kinematics = fem::Kinematics::small) const
+  double j(const post::DomainRing& ring, law::Kinematics kinematics = law::Kinematics::small) const
   {
     return post::domain_j({mesh_, field_.law, kinematics}, tip_, ring, u_, parts());
   }
@@ -63,7 +63,7 @@ public:
     const auto side = [this](const Vector<2>& x) {
       return tip_.direction.x() * x.y() - tip_.direction.y() * x.x() >= 0.0 ? 1 : -1;
     };
-    return post::domain_modes({mesh_, field_.law, fem::Kinematics::small}, tip_, ring, u_, side, parts());
+    return post::domain_modes({mesh_, field_.law, law::Kinematics::small}, tip_, ring, u_, side, parts());
   }
   double exact() const { return kK * kK / law::crack_modulus(field_.law); }
 
@@ -176,7 +176,7 @@ TEST(DomainJ, OfFiniteStrainTendsToThatOfSmallStrain)
   stiff.young = 1e7;
   const KField field(stiff, Vector<2>::UnitX(), 61);
   const double small = field.j({0.4, 0.8});
-  EXPECT_NEAR(field.j({0.4, 0.8}, fem::Kinematics::finite), small, 1e-5 * small);
+  EXPECT_NEAR(field.j({0.4, 0.8}, law::Kinematics::finite), small, 1e-5 * small);
 }
 
 TEST(TipModes, AreThoseOfTheField)

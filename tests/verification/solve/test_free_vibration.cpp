@@ -10,7 +10,7 @@ namespace pdx::test {
 namespace {
 
 /// n x n particles alone, held on the left: a loose body drifts, and rounding grows with the square of how far.
-options::SceneOptions particles_held_left(Index n, options::Kinematics kinematics)
+options::SceneOptions particles_held_left(Index n, options::KinematicsOption kinematics)
 {
   options::SceneOptions options = moving(held_particles(n));
   options.conditions.resize(1);
@@ -84,12 +84,15 @@ void expect_kept(const options::SceneOptions& options, double speed = 1e-4)
   EXPECT_LE(std::abs(drift.after - drift.before), 1e-7);
 }
 
-TEST(FreeVibration, OfParticlesKeepsItsEnergy) { expect_kept(particles_held_left(12, options::Kinematics::small)); }
+TEST(FreeVibration, OfParticlesKeepsItsEnergy)
+{
+  expect_kept(particles_held_left(12, options::KinematicsOption::small));
+}
 
 // With finite stretches the scheme's energy is kept up to the strain there is: about speed over wave speed.
 TEST(FreeVibration, OfParticlesWithFiniteStretchesKeepsItsEnergy)
 {
-  expect_kept(particles_held_left(12, options::Kinematics::finite), 2e-8);
+  expect_kept(particles_held_left(12, options::KinematicsOption::finite), 2e-8);
 }
 
 TEST(FreeVibration, OfCoupledPlatesKeepsItsEnergy)
@@ -122,7 +125,7 @@ int steps_until_wild(const options::SceneOptions& options, double share)
 TEST(FreeVibration, JustAboveTheTrueLimitIsCaughtSoonAndJustBelowItIsNot)
 {
   for (const options::SceneOptions& options :
-       {particles_held_left(12, options::Kinematics::small), coupled_held_left(couple::Scheme::energy)}) {
+       {particles_held_left(12, options::KinematicsOption::small), coupled_held_left(couple::Scheme::energy)}) {
     const int steps = steps_until_wild(options, 1.02);
     EXPECT_GT(steps, 0);
     EXPECT_LE(steps, 100);
