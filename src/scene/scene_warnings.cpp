@@ -1,5 +1,7 @@
 #include "pdx/scene/scene_warnings.hpp"
 
+#include "pdx/base/given_options.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
