@@ -57,8 +57,8 @@ public:
     } while (snap_given_up(zone, snapped));
     std::map<Index, int> dropped_of; // by sides of cracks
     for (const NodeSupport& support : enrichment.dropped) dropped_of[support.node] += support.verdict == Verdict::share;
-    for (const auto& [node, sides] : dropped_of) lost_of[node] = std::max(lost_of[node], sides);
-    for (const auto& [node, bodies] : lost_of) lost += bodies;
+    for (const auto& [v, sides] : dropped_of) lost_of[v] = std::max(lost_of[v], sides);
+    for (const auto& [v, bodies] : lost_of) lost += bodies;
     for (const CopiedNode& copied : pieces.nodes)
       for (const NodeCopy& copy : copied.copies) add(copied.node, copy.code, copy.side, copy.at);
     for (const NodeSupport& support : enrichment.nodes)
