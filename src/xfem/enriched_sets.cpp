@@ -165,9 +165,8 @@ void take_owners_verdicts(const mesh::Mesh& mesh, int cracks, std::span<NodeSupp
 
 /// `xfem::enrich` on a distributed mesh. Collective.
 Enrichment enrich_together(const mesh::Mesh& mesh, const MeshView& view, std::span<const CellCut> cuts,
-                           const EnrichmentRule& rule, int cracks)
+                           const EnrichmentRule& rule, int cracks, Snaps snapped)
 {
-  Snaps snapped(cuts.size());
   while (true) {
     std::vector<NodeSupport> supports = measure(view, cuts, snapped, rule.quadrature);
     judge(supports, rule.share());
@@ -200,8 +199,13 @@ EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, cons
     if (is_element(mesh, c)) active.push_back(c);
   const MeshView view{mesh.all_cells(), mesh.points(), active};
   JunctionZone zone(mesh, cracks, view, found.near, found.cuts, tolerance, frame);
-  const Enrichment enrichment = enrich_together(mesh, view, found.cuts, rule, cracks.size());
-  if (!zone.empty()) zone.part(found.cuts, enrichment.snapped, rule.share());
+  Snaps snapped(found.cuts.size());
+  Enrichment enrichment;
+  do {
+    enrichment = enrich_together(mesh, view, found.cuts, rule, cracks.size(), snapped);
+    snapped = enrichment.snapped;
+    if (!zone.empty()) zone.part(found.cuts, snapped, rule.share());
+  } while (!zone.empty() && any_rank(mesh.comm(), zone.snap(view, found.cuts, snapped)));
   codes_ = zone.codes();
   keep_sets(enrichment, zone);
   keep_cells(view, found.cuts, enrichment, rule.quadrature, zone);

@@ -147,9 +147,9 @@ Enrichment collect(std::span<const NodeSupport> supports, Snaps snapped)
   return result;
 }
 
-Enrichment enrich(const MeshView& view, std::span<const CellCut> cuts, const EnrichmentRule& rule)
+Enrichment enrich(const MeshView& view, std::span<const CellCut> cuts, const EnrichmentRule& rule, Snaps snapped)
 {
-  Snaps snapped(cuts.size());
+  snapped.resize(cuts.size());
   while (true) {
     std::vector<NodeSupport> supports = measure(view, cuts, snapped, rule.quadrature);
     judge(supports, rule.share());

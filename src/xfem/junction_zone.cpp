@@ -156,23 +156,41 @@ void JunctionZone::part(std::span<const CellCut> cuts, const Snaps& snapped, dou
                    cut.snapped ? std::optional(side_of(cut.snapped)) : std::nullopt});
   std::vector<Index> copied;
   for (const Index node : nodes_) copied.push_back(node_of.at(node));
+  const std::vector<CopiedNode> before = std::move(pieces_.nodes); // empty the first time, else the same nodes
   pieces_ = cut_in_pieces({corners, points, active}, all, copied, cracks_, least_share, tolerance_);
   for (CopiedNode& node : pieces_.nodes) {
     node.node = natural[static_cast<std::size_t>(node.node)];
     for (const NodeCopy& copy : node.copies) codes_ = std::max(codes_, copy.code + 1);
   }
   std::ranges::sort(pieces_.nodes, {}, &CopiedNode::node);
+  for (std::size_t k = 0; k < before.size(); ++k) // what a cell was snapped for is not lost again
+    pieces_.nodes[k].lost = std::max(pieces_.nodes[k].lost, before[k].lost);
   std::map<Index, Index> place_of; // by natural cell
   for (std::size_t k = 0; k < pieces_.cells.size(); ++k)
     place_of[cells[static_cast<std::size_t>(pieces_.cells[k].cell)].natural] = static_cast<Index>(k);
-  for (Index c = 0; c < mesh_.cells(); ++c)
-    if (const auto at = place_of.find(mesh_.natural_cell(c)); at != place_of.end())
-      place_of_cell_[static_cast<std::size_t>(c)] = at->second;
+  for (Index c = 0; c < mesh_.cells(); ++c) {
+    const auto at = place_of.find(mesh_.natural_cell(c));
+    place_of_cell_[static_cast<std::size_t>(c)] = at != place_of.end() ? at->second : -1;
+  }
 }
 
-const std::vector<Piece>& JunctionZone::pieces(Index cell) const
+bool JunctionZone::snap(const MeshView& view, std::span<const CellCut> cuts, Snaps& snapped) const
 {
-  return pieces_.cells[static_cast<std::size_t>(place_of_cell_[static_cast<std::size_t>(cell)])].pieces;
+  bool any = false;
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    const Index cell = cuts[i].cell;
+    if (snapped[i] || !has_cell(cell) || !pieced(cell).left()) continue;
+    const auto& nodes = view.cells[static_cast<std::size_t>(cell)];
+    if (std::ranges::all_of(nodes, [this](Index node) { return has_node(node); })) continue;
+    snapped[i] = pieced(cell).left();
+    any = true;
+  }
+  return any;
+}
+
+const PiecedCell& JunctionZone::pieced(Index cell) const
+{
+  return pieces_.cells[static_cast<std::size_t>(place_of_cell_[static_cast<std::size_t>(cell)])];
 }
 
 const CopiedNode& JunctionZone::copies(Index vertex) const

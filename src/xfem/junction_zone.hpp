@@ -26,16 +26,20 @@ public:
   bool empty() const { return nodes_.empty(); }
   /// Parts the cells, once it is known which are snapped. Collective.
   void part(std::span<const CellCut> cuts, const Snaps& snapped, double least_share);
+  /// Snaps cells of which slivers were given up and that have nodes outside the zone: true if any, and then sets have
+  /// to be found and cells parted once more.
+  bool snap(const MeshView& view, std::span<const CellCut> cuts, Snaps& snapped) const;
 
   bool has_node(Index vertex) const; ///< local number; its sets are those of `copies`
   bool has_cell(Index cell) const { return place_of_cell_[static_cast<std::size_t>(cell)] >= 0; } ///< local number
   /// Pieces of a local cell that it has.
-  const std::vector<Piece>& pieces(Index cell) const;
+  const std::vector<Piece>& pieces(Index cell) const { return pieced(cell).pieces; }
   const CopiedNode& copies(Index vertex) const; ///< of a local vertex that it has
   int codes() const { return codes_; }          ///< of sets are below this number
 
 private:
   void refuse_patches(const geom::Frame& frame) const;
+  const PiecedCell& pieced(Index cell) const;
   void find_nodes(const MeshView& view, std::span<const NearCell> near, std::span<const CellCut> cuts);
 
   const mesh::Mesh& mesh_;

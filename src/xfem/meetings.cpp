@@ -9,17 +9,37 @@ namespace pdx::xfem {
 namespace {
 constexpr double kOff = 4.0; // tolerances from the line that distances of corners draw: the crack is elsewhere
 
-/// How far x is inside a cell; below 0 outside [m].
-double depth_in(const fem::Corners& corners, const Vector<2>& x)
+using Stretch = std::pair<Vector<2>, Vector<2>>;
+
+/// What of a line lies in a cell grown by `margin` [m].
+std::optional<Stretch> stretch_in(const fem::Corners& corners, const Stretch& line, double margin)
 {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < 4; ++k)
-    least = std::min(least, cross_product((corners[(k + 1) % 4] - corners[k]).normalized(), x - corners[k]));
-  return least;
+  double from = 0.0, to = 1.0; // what is not outside of any edge
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vector<2> along = (corners[(k + 1) % 4] - corners[k]).normalized();
+    const double a = cross_product(along, line.first - corners[k]) + margin;
+    const double b = cross_product(along, line.second - corners[k]) + margin;
+    if (a < 0.0 && b < 0.0) return std::nullopt;
+    if (a < 0.0) from = std::max(from, a / (a - b));
+    if (b < 0.0) to = std::min(to, a / (a - b));
+  }
+  const Vector<2> along = line.second - line.first;
+  return from <= to ? std::optional(Stretch(line.first + from * along, line.first + to * along)) : std::nullopt;
 }
 
-/// Is the crack where distances of corners say, all through the cell?
-bool is_straight(const fem::Corners& corners, const CellCut& cut, const crack::CrackSet& cracks, double tolerance)
+/// What of a crack lies in a cell grown by `margin` [m].
+std::vector<Stretch> stretches_in(const fem::Corners& corners, const crack::Polyline& crack, double margin)
+{
+  std::vector<Stretch> found;
+  for (std::size_t k = 0; k + 1 < crack.size(); ++k)
+    if (const auto stretch = stretch_in(corners, {crack[k], crack[k + 1]}, margin)) found.push_back(*stretch);
+  return found;
+}
+
+/// Is the crack where distances of corners say, all through the cell, and nowhere else in it?
+/// @param inside of the crack
+bool is_straight(const fem::Corners& corners, const CellCut& cut, std::span<const Stretch> inside,
+                 const crack::CrackSet& cracks, double tolerance)
 {
   std::vector<Vector<2>> ends;
   for (std::size_t k = 0; k < 4; ++k) {
@@ -29,28 +49,10 @@ bool is_straight(const fem::Corners& corners, const CellCut& cut, const crack::C
     if (std::abs(cracks.signed_distance(cut.crack, ends.back())) > kOff * tolerance) return false;
   }
   if (ends.size() != 2) return false;
-  return std::ranges::none_of(cracks.seen(cut.crack), [&](const Vector<2>& x) {
-    return depth_in(corners, x) > tolerance &&
-           std::abs(cross_product(ends[1] - ends[0], x - ends[0])) > kOff * tolerance * (ends[1] - ends[0]).norm();
-  });
-}
-
-/// Does any straight part of a crack come as near as the tolerance to a cell?
-bool reaches(const fem::Corners& corners, const crack::Polyline& line, double tolerance)
-{
-  for (std::size_t k = 0; k + 1 < line.size(); ++k) {
-    double from = 0.0, to = 1.0; // what is not outside of any edge
-    for (std::size_t e = 0; e < 4; ++e) {
-      const Vector<2> along = (corners[(e + 1) % 4] - corners[e]).normalized();
-      const double a = cross_product(along, line[k] - corners[e]) + tolerance;
-      const double b = cross_product(along, line[k + 1] - corners[e]) + tolerance;
-      if (a < 0.0 && b < 0.0) from = 2.0;
-      if (a < 0.0 && b >= 0.0) from = std::max(from, a / (a - b));
-      if (a >= 0.0 && b < 0.0) to = std::min(to, a / (a - b));
-    }
-    if (from <= to) return true;
-  }
-  return false;
+  const auto is_off = [&](const Vector<2>& x) {
+    return std::abs(cross_product(ends[1] - ends[0], x - ends[0])) > kOff * tolerance * (ends[1] - ends[0]).norm();
+  };
+  return std::ranges::none_of(inside, [&](const Stretch& one) { return is_off(one.first) || is_off(one.second); });
 }
 } // namespace
 
@@ -66,12 +68,13 @@ std::vector<Meeting> find_meetings(const MeshView& view, std::span<const NearCel
     int reaching = 0;
     bool is_plain = of_cell.size() < 2;
     for (const NearCell& one : near.subspan(begin, end - begin)) {
-      if (!reaches(corners, cracks.seen(one.crack), tolerance)) continue;
+      const crack::Polyline& crack = cracks.seen(one.crack);
+      if (stretches_in(corners, crack, tolerance).empty()) continue;
       ++reaching;
+      const std::vector<Stretch> inside = stretches_in(corners, crack, -tolerance);
       const auto cut = std::ranges::find(of_cell, one.crack, &CellCut::crack);
-      const auto inside = [&](const Vector<2>& x) { return depth_in(corners, x) > tolerance; };
-      is_plain = is_plain && (cut != of_cell.end() ? is_straight(corners, *cut, cracks, tolerance)
-                                                   : std::ranges::none_of(cracks.seen(one.crack), inside));
+      is_plain =
+          is_plain && (cut != of_cell.end() ? is_straight(corners, *cut, inside, cracks, tolerance) : inside.empty());
     }
     if (is_plain && reaching < 2) continue;
     const std::array<std::array<Index, 4>, 1> nodes{{{0, 1, 2, 3}}};

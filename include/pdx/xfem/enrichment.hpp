@@ -61,8 +61,9 @@ struct Enrichment {
 /// the other half: the crack is moved by less than that share, so that both halves still move rigidly without force and
 /// no unknown is left without stiffness. Moved slivers may leave other rows too little, hence repeated until quiet; a
 /// sliver larger than that share of its nodes' supports never moves (unless its cell is smaller than that).
-/// @param cuts at most one per cell and crack
-Enrichment enrich(const MeshView& view, std::span<const CellCut> cuts, const EnrichmentRule& rule = {});
+/// @param cuts at most one per cell and crack   @param snapped of each cut what is so already; none given: nothing
+Enrichment enrich(const MeshView& view, std::span<const CellCut> cuts, const EnrichmentRule& rule = {},
+                  Snaps snapped = {});
 
 /// First cell that more than one crack cuts.
 std::optional<Index> cell_of_two_cracks(std::span<const CellCut> cuts);

@@ -49,6 +49,10 @@ struct Piece {
 struct PiecedCell {
   Index cell = 0;
   std::vector<Piece> pieces;
+
+  /// The side that all of a cell that one crack cuts lies on, because slivers were given up. Where nodes of the cell
+  /// have no copies, their sets have to learn it (`Snaps`): they may have too little left.
+  std::optional<Side> left() const { return pieces.size() == 1 ? pieces[0].side : std::nullopt; }
 };
 
 /// A further copy of a node, for a body of its support that does not hold the node.

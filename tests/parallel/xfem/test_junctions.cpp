@@ -158,6 +158,18 @@ TEST(Junctions, MassOfEachBodyIsExact)
   EXPECT_GT(whole, tries / 2);
 }
 
+// A sliver is given up by copies in an element that has nodes without copies: their sets have nothing left there.
+TEST(Junctions, NoSetIsLeftWithNothingToMove)
+{
+  CutBody body(options_of({{{0.91630175831360616, 1.0}, {0.041849120290573361, 0.0}},
+                           {{0.59786676963328156, 1.0}, {0.20772323261991604, 0.0}}},
+                          3));
+  std::vector<double> mass(static_cast<std::size_t>(body.rows.owned()), 0.0);
+  for (const auto& term : body.terms) term->add_mass(mass);
+  for (const double of_row : mass) EXPECT_GT(of_row, 1e-6); // of 0.6
+  EXPECT_GT(body.sets.report().dropped, 0);
+}
+
 TEST(Junctions, BodiesMoveRigidlyWithoutForce)
 {
   std::mt19937 random(5);

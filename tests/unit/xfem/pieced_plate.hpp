@@ -34,7 +34,6 @@ public:
     const double tolerance = 1e-9 / n;
     const std::vector<NearCell> near = find_cuts(tolerance);
     const MeshView view{cells, points, active};
-    enrichment = enrich(view, cuts, {least_share, Quadrature::polygons});
     std::set<Index> zone; // nodes with copies
     for (const Meeting& meeting : find_meetings(view, near, cuts, cracks_, tolerance))
       zone.insert(cell(meeting.cell).begin(), cell(meeting.cell).end());
@@ -43,20 +42,27 @@ public:
     std::vector<Index> around;
     for (const Index c : active)
       if (std::ranges::any_of(cell(c), [&](Index v) { return zone.contains(v); })) around.push_back(c);
-    std::vector<PieceCut> all;
-    for (std::size_t k = 0; k < cuts.size(); ++k)
-      if (std::ranges::binary_search(around, cuts[k].cell))
-        all.push_back({cuts[k].cell, cuts[k].crack, cuts[k].distance, enrichment.snapped[k]});
-    pieces = cut_in_pieces({cells, points, around}, all, std::vector<Index>(zone.begin(), zone.end()), cracks_,
-                           least_share, tolerance);
-    for (const CopiedNode& copied : pieces.nodes) {
-      lost += copied.lost;
+    Snaps snapped;
+    std::map<Index, int> lost_of;
+    do { // as `EnrichedSets` does
+      enrichment = enrich(view, cuts, {least_share, Quadrature::polygons}, snapped);
+      snapped = enrichment.snapped;
+      std::vector<PieceCut> all;
+      for (std::size_t k = 0; k < cuts.size(); ++k)
+        if (std::ranges::binary_search(around, cuts[k].cell))
+          all.push_back({cuts[k].cell, cuts[k].crack, cuts[k].distance, snapped[k]});
+      pieces = cut_in_pieces({cells, points, around}, all, std::vector<Index>(zone.begin(), zone.end()), cracks_,
+                             least_share, tolerance);
+      for (const CopiedNode& copied : pieces.nodes) lost_of[copied.node] = std::max(lost_of[copied.node], copied.lost);
+    } while (snap_given_up(zone, snapped));
+    std::map<Index, int> dropped_of; // by sides of cracks
+    for (const NodeSupport& support : enrichment.dropped) dropped_of[support.node] += support.verdict == Verdict::share;
+    for (const auto& [v, sides] : dropped_of) lost_of[v] = std::max(lost_of[v], sides);
+    for (const auto& [v, bodies] : lost_of) lost += bodies;
+    for (const CopiedNode& copied : pieces.nodes)
       for (const NodeCopy& copy : copied.copies) add(copied.node, copy.code, copy.side, copy.at);
-    }
     for (const NodeSupport& support : enrichment.nodes)
       if (!zone.contains(support.node)) add(support.node, support.crack, support.side, across(support));
-    for (const NodeSupport& support : enrichment.dropped)
-      lost += !zone.contains(support.node) && support.verdict == Verdict::share;
   }
 
   struct Row {
@@ -192,6 +198,19 @@ private:
   void add(Index v, int code, Side side, const Vector<2>& at)
   {
     sets.try_emplace({v, code}, Row{side, at, static_cast<int>(points.size() + sets.size())});
+  }
+  /// Snaps cells of which slivers were given up and that have nodes without copies: true if any.
+  bool snap_given_up(const std::set<Index>& zone, Snaps& snapped) const
+  {
+    bool any = false;
+    for (std::size_t k = 0; k < cuts.size(); ++k) {
+      const auto of_cell = std::ranges::find(pieces.cells, cuts[k].cell, &PiecedCell::cell);
+      if (snapped[k] || of_cell == pieces.cells.end() || !of_cell->left()) continue;
+      if (std::ranges::all_of(cell(cuts[k].cell), [&](Index v) { return zone.contains(v); })) continue;
+      snapped[k] = of_cell->left();
+      any = true;
+    }
+    return any;
   }
   /// The middle of the most that lies across a crack in a cell of a node.
   Vector<2> across(const NodeSupport& node) const
