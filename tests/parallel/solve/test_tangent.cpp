@@ -19,7 +19,8 @@ const std::vector<Case>& cases()
   static const std::vector<Case> all = [] {
     std::vector<Case> list;
     for (const Scheme scheme : {Scheme::energy, Scheme::ghost, Scheme::interface})
-      for (const Kinematics kinematics : {Kinematics::small, Kinematics::finite, Kinematics::mixed})
+      for (const KinematicsOption kinematics :
+           {KinematicsOption::small, KinematicsOption::finite, KinematicsOption::mixed})
         for (const bool surface : {false, true})
           for (const bool cracked : {false, true}) list.push_back({scheme, kinematics, surface, cracked});
     return list;
