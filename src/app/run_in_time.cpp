@@ -164,7 +164,7 @@ private:
     std::optional<mesh::MeasuredCosts> costs;
     if (uneven_) costs = balance_.costs(files_.scene, driver());
     scene_.foresee(change_);
-    change::TimeScene::Moment moment = scene_.moment(change_, recorder_.leave_scene(driver()));
+    change::TimeScene::Moment moment = scene_.moment(change_, recorder_.leave_scene(driver(), !change_.empty()));
     const double length = moment.clock.length;
     if (!change_.empty()) ++files_.summary.relocations;
     balance_.leave(driver());

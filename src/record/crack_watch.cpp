@@ -76,6 +76,11 @@ void CrackWatch::look(double time, std::int64_t bonds_broken)
   tracker_.look(time, now.damage, now.name);
 }
 
+void CrackWatch::note_new()
+{
+  if (broken_ >= 0) tracker_.note_new(part_.watched().damage);
+}
+
 std::optional<scene::CrackNotes> CrackWatch::notes() const
 {
   if (broken_ < 0) return std::nullopt;

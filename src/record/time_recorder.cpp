@@ -71,9 +71,14 @@ void TimeRecorder::started(const solve::TimeDriver& driver, const scene::StepLim
   begin_ = MPI_Wtime();
 }
 
-std::optional<scene::CrackNotes> TimeRecorder::leave_scene(const solve::TimeDriver& driver)
+std::optional<scene::CrackNotes> TimeRecorder::leave_scene(const solve::TimeDriver& driver, bool for_another)
 {
-  left_ = energies(driver).total();
+  const MotionEnergies e = energies(driver);
+  left_ = e.total();
+  if (cracks_ && for_another) { // what broke here is seen, whenever rows of the history are due
+    count(e);
+    cracks_->look(driver.time(), broken_.bonds);
+  }
   tiles_ += d_->tiles().value_or(scene::Tiles{});
   cells_ += d_->cells_of_points();
   return cracks_ ? cracks_->notes() : std::nullopt;
@@ -86,6 +91,7 @@ void TimeRecorder::take_scene(const scene::Standing& scene, const solve::TimeDri
   d_ = scene.model;
   cracks_ = CrackWatch::make(files_);
   if (cracks_ && cracks) cracks_->take_notes(std::move(*cracks));
+  if (cracks_) cracks_->note_new();
   converted_ += energies(driver).total() - left_;
 }
 

@@ -184,6 +184,12 @@ mpm::Body<Dim> body_of(const options::PointBodyOptions& options, const mpm::Body
     Enclosed inside(shape.border);
     return inside(x);
   });
+  if (options.shape.hole && body.skin)
+    body.skin = [skin = std::move(body.skin), hole = *options.shape.hole](const Vector<Dim>& site, unsigned uncovered) {
+      const Vector<Dim> moved = skin(site, uncovered);
+      const Vector<2> away = site.template head<2>() - hole.centre.template head<2>();
+      return std::abs(away.norm() - hole.radius) < (moved - site).norm() ? site : moved; // it lies at the hole
+    };
   if (!options.shape.hole) return body;
   const options::PointShape::Ball& hole = *options.shape.hole;
   for (std::size_t k = 0; k < body.points.size(); ++k) {

@@ -45,6 +45,12 @@ void CrackTracker::look(double time, std::span<const double> damage, const NameO
   judge(time);
 }
 
+void CrackTracker::note_new(std::span<const double> damage)
+{
+  for (std::size_t k = 0; k < before_.size(); ++k)
+    if (before_[k] < 0.0) before_[k] = damage[k];
+}
+
 void CrackTracker::nothing_new(double time) { judge(time); }
 
 CrackTracker::State CrackTracker::state() const

@@ -58,7 +58,25 @@ TURNED = LARGE | {"-layout_renew_interval": "60", "-layout_renew_box": "0.007,-0
 SHORT = BEAM | {"-pd_patches": "0.2e-3,0.15e-3,0.4e-3,0.30e-3", "-adapt": "expand"}
 
 
+# A crack in elements that runs half a plate in a patch that grows.
+SEEDED = {
+    "-case": "seeded", "-analysis": "explicit", "-mesh_lower": "0,0", "-mesh_upper": "0.1,0.04", "-mesh_cells": "40,16",
+    "-material_young": "72e9", "-material_poisson": "0.3333333333333333", "-material_density": "2440", "-pd_spacing": "0.625e-3",
+    "-pd_critical_stretch": "1e-3", "-crack_names": "c", "-crack_c_points": "0,0.02,0.03,0.02", "-bc_names": "t,b",
+    "-bc_t_on": "top", "-bc_t_traction": "0,20e6", "-bc_b_on": "bottom", "-bc_b_traction": "0,-20e6", "-ts_max_time": "2e-5",
+    "-adapt": "expand", "-adapt_seed": "tip", "-adapt_expansion_length": "0.006", "-adapt_critical_length": "0.003",
+    "-adapt_every": "5", "-quiet": "",
+}  # fmt: skip
+
+
 class Adapt(program.ProgramTest):
+    def test_a_crack_is_as_long_however_seldom_it_is_looked_at(self):
+        often = self.launch(SEEDED | {"-output_history_interval": "1"}).summary["results"]
+        for ranks in (1, 2):
+            seldom = self.launch(SEEDED | {"-output_history_interval": "1000"}, ranks).summary["results"]
+            self.assertAlmostEqual(seldom["crack_length"], often["crack_length"], delta=1e-9)
+            self.assertAlmostEqual(seldom["max_crack_speed"] / often["max_crack_speed"], 1.0, delta=0.15)
+
     def test_a_crack_runs_as_in_a_large_patch(self):
         large, grown = self.shared(LARGE), self.shared(PLATE | END)
         self.assertGreaterEqual(grown.summary["relocations"], 2)

@@ -21,6 +21,7 @@ public:
   bool looked() const { return broken_ >= 0; }
   std::optional<scene::CrackNotes> notes() const; ///< none before the first look
   void take_notes(scene::CrackNotes notes);       ///< instead of the first look
+  void note_new(); ///< particles that were not there before the layout changed begin from here
   /// Is all that damage has reached in the body, on a lattice of those that were given?
   bool knows(const scene::CrackNotes& notes) const;
   void write_results(nlohmann::ordered_json& results) const;

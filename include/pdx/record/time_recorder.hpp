@@ -30,8 +30,9 @@ public:
   void built(const scene::Standing& scene);
   void started(const solve::TimeDriver& driver, const scene::StepLimits& limits);
   void after_step(const solve::TimeDriver& driver);
-  /// The scene is about to go: what is to be known of its cracks.
-  std::optional<scene::CrackNotes> leave_scene(const solve::TimeDriver& driver);
+  /// The scene is about to go: what is to be known of its cracks. Collective.
+  /// @param for_another layout, where particles that broke here may be gone
+  std::optional<scene::CrackNotes> leave_scene(const solve::TimeDriver& driver, bool for_another);
   /// Another stands in its place, and a driver has taken over its state: books the energy that came or went.
   void take_scene(const scene::Standing& scene, const solve::TimeDriver& driver,
                   std::optional<scene::CrackNotes> cracks);

@@ -54,6 +54,19 @@ TEST(PointSkin, OfADiscIsACircle)
             50);
 }
 
+/// Sites at the hole of a thin ring stay where they are.
+TEST(PointSkin, OfARingIsThatOfItsOuterBorder)
+{
+  options::PointBodyOptions body;
+  body.spacing = 0.1;
+  body.shape.disc = options::PointShape::Ball{{0.0, 0.0, 0.0}, 2.0};
+  body.shape.hole = options::PointShape::Ball{{0.0, 0.0, 0.0}, 1.8};
+  for_each_skin<2>(body, [](const Vector<2>& site, const Vector<2>& skin) {
+    EXPECT_LT((skin - site).norm(), 0.07) << site.transpose();
+    EXPECT_TRUE(site.norm() >= 1.85 || skin == site) << site.transpose();
+  });
+}
+
 TEST(PointSkin, OfACylinderKeepsItsEnds)
 {
   options::PointBodyOptions body;
