@@ -24,16 +24,16 @@ bool loads(const options::BoundaryCondition& c)
          moves(c.displacement) || moves(c.velocity) || (c.turn && *c.turn != 0.0);
 }
 
+/// Of times of which none comes: a run may well be cut short.
 std::string late_warning(const options::SceneOptions& options)
 {
   const GivenOption* given = given_option("-ts_max_time");
   const double last = given ? number_of("-ts_max_time", given->value, "s").value_or(0.0) : 0.0;
-  for (const double t : options.output.times)
-    if (last > 0.0 && t > last)
-      return fmt::format("-output_times asks for fields at {:g} s, after the end of the run at {:g} s (-ts_max_time): "
-                         "none are written then",
-                         t, last);
-  return {};
+  const std::vector<double>& times = options.output.times;
+  if (times.empty() || !(last > 0.0) || std::ranges::min(times) <= last) return {};
+  return fmt::format("-output_times asks for fields at {:g} s and later, after the end of the run at {:g} s "
+                     "(-ts_max_time): none are written then",
+                     std::ranges::min(times), last);
 }
 
 std::string time_warning(const options::SceneOptions& options)

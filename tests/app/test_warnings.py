@@ -144,8 +144,8 @@ class Warnings(program.ProgramTest):
 
     def test_fields_that_are_wanted_after_the_end(self):
         late = BAR | {"-mesh_upper": "0.4,0.08", "-analysis": "explicit", "-material_density": "1000", "-ts_max_steps": "2",
-                      "-ts_max_time": "1", "-output_fields": "", "-output_times": "0.5,2"}  # fmt: skip
-        self.assert_warned(self.launch(late), r"-output_times asks for fields at 2 s, after the end of the run at 1 s")
+                      "-ts_max_time": "1", "-output_fields": "", "-output_times": "3,2"}  # fmt: skip
+        self.assert_warned(self.launch(late), r"-output_times asks for fields at 2 s and later, after the end of the run at 1 s")
 
     def test_rest_that_is_not_skipped_in_statics(self):
         body = {"-mpm_bodies": "a", "-mpm_a_box": "0,0,1,1", "-mpm_spacing": "0.125", "-material_density": "1", "-mesh_lower": None,
