@@ -78,7 +78,7 @@ void CrackWatch::look(double time, std::int64_t bonds_broken)
 
 void CrackWatch::note_new()
 {
-  if (broken_ >= 0) tracker_.note_new(part_.watched().damage);
+  if (tracker_.has_new()) tracker_.note_new(part_.watched().damage);
 }
 
 std::optional<scene::CrackNotes> CrackWatch::notes() const

@@ -48,9 +48,10 @@ public:
     const Seen first = nearest(site, nullptr);
     if (!(first.distance < 2.0 * spacing_)) return site;
     const Vector<2> moved = site + (deep - first.distance) * first.normal;
-    const Seen next = nearest(moved, &first.normal);
-    if (!(next.distance < deep * (1.0 - kOnBorder)) && !(seen_alike(site, first))) return moved;
-    return corner(site, first, nearest(site, &first.normal), moved);
+    const Seen second = nearest(site, &first.normal), next = nearest(moved, &first.normal);
+    const bool on_bisector = std::abs(second.distance - first.distance) < kOnBorder * spacing_;
+    if (!(next.distance < deep * (1.0 - kOnBorder)) && !on_bisector) return moved;
+    return corner(site, first, second, moved);
   }
 
 private:
@@ -75,12 +76,6 @@ private:
       if (seen.distance < best.distance && !(but && seen.normal.dot(*but) > kAlike)) best = seen;
     }
     return best;
-  }
-
-  /// Are two edges as near to the site as each other, so that it lies on the bisector of a corner?
-  bool seen_alike(const Vector<2>& site, const Seen& first) const
-  {
-    return std::abs(nearest(site, &first.normal).distance - first.distance) < kOnBorder * spacing_;
   }
 
   /// Half a spacing from two edges.

@@ -45,6 +45,11 @@ void CrackTracker::look(double time, std::span<const double> damage, const NameO
   judge(time);
 }
 
+bool CrackTracker::has_new() const
+{
+  return any_rank(comm_, std::ranges::any_of(before_, [](double damage) { return damage < 0.0; }));
+}
+
 void CrackTracker::note_new(std::span<const double> damage)
 {
   for (std::size_t k = 0; k < before_.size(); ++k)

@@ -33,7 +33,9 @@ public:
   /// @param name of the site of a particle (TreeGround::names), by its place in `damage`
   void look(double time, std::span<const double> damage, const NameOf& name);
 
-  /// Particles that came with another layout begin with the damage they have: what they lose from here arrives.
+  /// Have particles come with another layout, on any rank? Collective.
+  bool has_new() const;
+  /// They begin with the damage they have: what they lose from here arrives.
   /// @param damage as of `look`
   void note_new(std::span<const double> damage);
 
