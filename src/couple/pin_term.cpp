@@ -4,6 +4,15 @@
 #include <limits>
 
 namespace pdx::couple {
+namespace {
+/// So that what lies at a pin is not pressed by rounding.
+PinRule clear_of_rounding(PinRule rule)
+{
+  rule.radius *= 1.0 - 1e-3 * PinTerm::kTouching;
+  return rule;
+}
+} // namespace
+
 Vector<2> PinMotion::at(double time) const
 {
   Vector<2> now = start;
@@ -16,8 +25,8 @@ Vector<2> PinMotion::at(double time) const
 PinTerm::PinTerm(const field::Rows& rows, std::vector<double> places, std::vector<double> half_sizes,
                  const PinRule& rule, PinMotion motion)
     : dim_(static_cast<std::size_t>(rows.dim)), places_(std::move(places)), half_sizes_(std::move(half_sizes)),
-      rule_(rule), motion_(std::move(motion)), linearised_(places_.size(), 0.0), middle_(motion_.first()),
-      noted_middle_(middle_)
+      rule_(clear_of_rounding(rule)), motion_(std::move(motion)), linearised_(places_.size(), 0.0),
+      middle_(motion_.first()), noted_middle_(middle_)
 {}
 
 double PinTerm::deepest() const
@@ -67,14 +76,25 @@ double PinTerm::energy(std::span<const double> u) const
   return sum;
 }
 
+/// visit(row, depth [m], unit vector away) for what touches in the state of the tangent, or lies at the pin as it did
+/// before anything moved.
+template <class Visit> void PinTerm::for_each_resisted(Visit&& visit) const
+{
+  for_each_near(linearised_, kTouching * rule_.radius, [&](std::size_t row, double depth, const Vector<2>& away) {
+    const auto moved = [](double u) { return u != 0.0; };
+    const std::span of_row(linearised_.data() + dim_ * row, dim_);
+    if (depth > 0.0 || std::ranges::none_of(of_row, moved)) visit(row, std::max(depth, 0.0), away);
+  });
+}
+
 /// k n n where it touches, less what the force k depth n loses as n turns.
 void PinTerm::add_jacobian(field::BlockAdder& adder, bool) const
 {
-  for_each_near(linearised_, kTouching * rule_.radius, [&](std::size_t row, double depth, const Vector<2>& away) {
+  for_each_resisted([&](std::size_t row, double depth, const Vector<2>& away) {
     const auto local = static_cast<Index>(row);
-    const double k = stiffness(row), pressed = std::max(depth, 0.0), distance = rule_.radius + half_sizes_[row] - depth;
+    const double k = stiffness(row), distance = rule_.radius + half_sizes_[row] - depth;
     const Eigen::Matrix2d along = away * away.transpose();
-    const Eigen::Matrix2d block = k * (along - pressed / distance * (Eigen::Matrix2d::Identity() - along));
+    const Eigen::Matrix2d block = k * (along - depth / distance * (Eigen::Matrix2d::Identity() - along));
     std::vector<double> panel(dim_ * dim_, 0.0);
     for (std::size_t a = 0; a < 2; ++a)
       for (std::size_t b = 0; b < 2; ++b)
@@ -85,7 +105,7 @@ void PinTerm::add_jacobian(field::BlockAdder& adder, bool) const
 
 void PinTerm::resisting(std::vector<field::Resisting>& found) const
 {
-  for_each_near(linearised_, kTouching * rule_.radius, [&](std::size_t row, double, const Vector<2>& away) {
+  for_each_resisted([&](std::size_t row, double, const Vector<2>& away) {
     found.push_back({static_cast<Index>(row), {away[0], away[1], 0.0}});
   });
 }

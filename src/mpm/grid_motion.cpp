@@ -224,9 +224,9 @@ template <int Dim> void GridMotion<Dim>::step(double time, double length, double
   regroup();
 }
 
-template <int Dim> std::vector<PointLanes<Dim>> GridMotion<Dim>::ended(double half)
+template <int Dim> const std::vector<PointLanes<Dim>>& GridMotion<Dim>::ended(double half)
 {
-  const std::vector<PointLanes<Dim>> before = points_;
+  ended_ = points_;
   const std::vector<double> forces = hold_force_;
   const double work = work_, pic = std::exchange(rule_.pic, 0.0);
   hold_force_.assign(holds_.size(), 0.0);
@@ -237,7 +237,8 @@ template <int Dim> std::vector<PointLanes<Dim>> GridMotion<Dim>::ended(double ha
   hold_force_ = forces;
   work_ = work;
   rule_.pic = pic;
-  return std::exchange(points_, before);
+  std::swap(points_, ended_);
+  return ended_;
 }
 
 template <int Dim> void GridMotion<Dim>::regroup()

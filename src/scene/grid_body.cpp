@@ -48,8 +48,7 @@ public:
   }
   void tell(double length, std::span<double> u, std::span<double> v) const override
   {
-    const std::vector<mpm::PointLanes<Dim>> now = motion_.ended(0.5 * length);
-    for_each_row(now, [&](std::size_t row, const double* numbers) {
+    for_each_row(motion_.ended(0.5 * length), [&](std::size_t row, const double* numbers) {
       for (std::size_t d = 0; d < Dim; ++d) {
         const auto a = static_cast<Eigen::Index>(d);
         u[Dim * row + d] = body_.origin[a] + motion_.rule().side * numbers[d * kLanes] - body_.grid.place[row][a];
@@ -59,15 +58,14 @@ public:
   }
   double work() const override { return motion_.work(); }
   int width() const override { return kNumbers; }
-  std::vector<double> inner() const override
+  void inner(std::vector<double>& all) const override
   {
-    std::vector<double> all(body_.grid.place.size() * kNumbers);
+    all.resize(body_.grid.place.size() * kNumbers);
     for (std::size_t b = 0; b < body_.materials.size(); ++b)
       motion_.lanes(b).for_each([&](Index id, const double* numbers) {
         double* to = all.data() + static_cast<std::size_t>(body_.first[b] + id) * kNumbers;
         for (std::size_t n = 0; n < kNumbers; ++n) to[n] = numbers[n * kLanes];
       });
-    return all;
   }
   void resume(double time, std::span<const double> inner, double work) override
   {

@@ -174,7 +174,7 @@ void TimeDriver::catch_up() const
 void TimeDriver::copy_state(field::State& to) const
 {
   catch_up();
-  if (moving_.system.steps) to.inner = moving_.system.steps->inner();
+  if (moving_.system.steps) moving_.system.steps->inner(to.inner);
   const auto owned = static_cast<std::ptrdiff_t>(moving_.owned());
   to.u.assign(moving_.u.begin(), moving_.u.begin() + owned);
   to.v = moving_.v;

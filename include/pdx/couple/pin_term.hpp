@@ -27,8 +27,8 @@ struct PinRule {
 
 /// A rigid round pin, in space a cylinder along z: rows nearer to its middle than R + s, s how far the body goes beyond
 /// the row's place, are pushed away by k (R + s - d), without friction; k = E t in the plane and 2 E s in space, as
-/// `ContactLaw` has it of two lone points of one size. Its tangent is that of what touches, of what lies just at it
-/// too: that will push if it comes nearer.
+/// `ContactLaw` has it of two lone points of one size. Its tangent is that of what touches, and of what lies at it as
+/// long as it has not moved: bodies stand on pins from the start.
 class PinTerm final : public field::Support {
 public:
   static constexpr double kTouching = 1e-6; ///< of the radius: what is as near lies at the pin
@@ -59,6 +59,7 @@ private:
   {
     for_each_near(u, 0.0, visit);
   }
+  template <class Visit> void for_each_resisted(Visit&& visit) const;
   double stiffness(std::size_t row) const
   {
     return rule_.modulus * (rule_.thickness > 0.0 ? rule_.thickness : 2.0 * half_sizes_[row]);

@@ -19,7 +19,7 @@ public:
   /// All that steps go on from, to the last bit: so many numbers for each owned row.
   ///@{
   virtual int width() const = 0;
-  virtual std::vector<double> inner() const = 0;
+  virtual void inner(std::vector<double>& all) const = 0;
   virtual void resume(double time, std::span<const double> inner, double work) = 0;
   ///@}
 };

@@ -54,7 +54,7 @@ public:
   ///@}
   /// The points of each body at the end of the last step: their velocities are half a step behind. Collective.
   /// @param half of that step [s]
-  std::vector<PointLanes<Dim>> ended(double half);
+  const std::vector<PointLanes<Dim>>& ended(double half);
   void resume(std::vector<std::vector<GridPoint<Dim>>> points, double work, double time = 0.0);
   const GridRule& rule() const { return rule_; }
   Vector<Dim> place(const GridPoint<Dim>& point) const { return origin_ + rule_.side * point.at; } ///< [m]
@@ -87,7 +87,7 @@ private:
   GridRule rule_;
   Vector<Dim> origin_;
   std::vector<BodyMaterial> bodies_;
-  std::vector<PointLanes<Dim>> points_;
+  std::vector<PointLanes<Dim>> points_, ended_; // memory of the latter is kept
   std::vector<Vector<Dim>> push_;
   std::vector<GridHold<Dim>> holds_;
   GridNodes<Dim> nodes_;
