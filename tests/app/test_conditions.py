@@ -297,10 +297,11 @@ class Pins(program.ProgramTest):
                 self.assertAlmostEqual(a / b, 1.0, delta=1e-7, msg=name)
 
     def test_a_pin_that_lies_at_a_body_takes_no_force_of_rounding(self):
-        run = self.solve({  # 0.24 + 0.05 is not quite 0.29
+        run = self.launch({  # 0.24 + 0.05 is not quite 0.29
             "-analysis": "implicit", "-material_young": f"{E}", "-material_density": f"{RHO}", "-mpm_bodies": "b", "-mpm_b_box": "0,0,0.24,0.08",
             "-mpm_spacing": "0.01", "-bc_names": "floor,q", "-bc_floor_on": "left", "-bc_floor_displacement": "0,0", "-bc_q_pin": "0.05",
             "-bc_q_at": "0.29,0.04", "-ts_dt": "1e-4", "-ts_max_time": "3e-4", "-output_history": "", "-quiet": ""})  # fmt: skip
+        self.assertEqual(run.status, 0, run.err)
         self.assertEqual(run.history()[-1]["reaction_q_x"], 0.0)
 
     def test_pins_that_touch_nothing_hold_nothing(self):
