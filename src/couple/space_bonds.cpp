@@ -1,6 +1,7 @@
 #include "pdx/couple/space_bonds.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/couple/face_trace.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 namespace pdx::couple {
 namespace space_bonds {
 constexpr double kNothing = 1e-9; // a weight
+constexpr double kOnLine = 1e-9;  // spacings
 
 Site<3> stepped(Site<3> site, const Site<3>& step, int sign)
 {
@@ -17,20 +19,32 @@ Site<3> stepped(Site<3> site, const Site<3>& step, int sign)
 
 Index grid_cell(Index site, Index ratio) { return (site >= 0 ? site : site - ratio + 1) / ratio; }
 
-/// As the points of a grid cell are carried; nodes that have nothing to say need no row.
-bool add_cell(const NodeRows& rows, Index ratio, const Site<3>& cell, const Vector<3>& x, Host& host)
+/// As the points of a grid cell are carried, and by `face_bubble`; nodes that have nothing to say need no row.
+bool add_cell(const NodeRows& rows, const SpaceShape& shape, const Site<3>& cell, const Vector<3>& x, Host& host)
 {
+  const Index ratio = shape.of->material.ratio;
+  std::array<std::array<double, 2>, 3> hats;
+  Vector<3> middle; // of the lattice cell's face, x from there
+  std::size_t lines = 0, across = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const auto a = static_cast<Eigen::Index>(d);
+    const double at = x[a] / ratio - grid_cell(cell[d], ratio);
+    hats[d] = {1.0 - at, at};
+    middle[a] = x[a] - std::floor(x[a]) - 0.5;
+    if (std::abs(x[a] - std::round(x[a])) > kOnLine) continue;
+    ++lines;
+    across = d;
+  }
+  const std::size_t y = (across + 1) % 3, z = (across + 2) % 3;
+  double bubble = lines == 1 ? shape.face_share / (ratio * ratio) : 0.0;
+  if (bubble != 0.0) bubble *= face_bubble(middle[static_cast<Eigen::Index>(y)], middle[static_cast<Eigen::Index>(z)]);
   for (unsigned corner = 0; corner < 8; ++corner) {
-    double weight = 1.0;
-    Site<3> node{};
-    for (std::size_t d = 0; d < 3; ++d) {
-      const Index low = grid_cell(cell[d], ratio);
-      const double at = x[static_cast<Eigen::Index>(d)] / ratio - low;
-      const bool upper = corner >> d & 1U;
-      weight *= upper ? at : 1.0 - at;
-      node[d] = low + (upper ? 1 : 0);
-    }
+    const std::array<unsigned, 3> upper{corner & 1U, corner >> 1U & 1U, corner >> 2U};
+    const double twisted = upper[y] == upper[z] ? bubble : -bubble;
+    const double weight = hats[across][upper[across]] * (hats[y][upper[y]] * hats[z][upper[z]] + twisted);
     if (std::abs(weight) < kNothing) continue;
+    Site<3> node{};
+    for (std::size_t d = 0; d < 3; ++d) node[d] = grid_cell(cell[d], ratio) + static_cast<Index>(upper[d]);
     const auto row = rows.find(node);
     if (row == rows.end() || !host.add(row->second, weight)) return false;
   }
@@ -275,7 +289,7 @@ std::optional<Host> face_host(const SpaceShape& shape, const NodeRows& rows, con
 {
   if (!shape.has_point(beyond)) return std::nullopt;
   Host host;
-  if (!space_bonds::add_cell(rows, shape.of->material.ratio, beyond, x, host))
+  if (!space_bonds::add_cell(rows, shape, beyond, x, host))
     throw std::logic_error("a bond leaves through a face whose nodes have no rows");
   return host;
 }

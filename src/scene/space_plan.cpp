@@ -1,5 +1,7 @@
 #include "pdx/scene/space_plan.hpp"
 
+#include "pdx/couple/face_trace.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -164,7 +166,11 @@ SpacePlan::SpacePlan(const SpaceBodies& bodies, const std::vector<mpm::GridPlace
     }
     if (boxes.empty()) continue;
     const geom::Lattice<3> lattice{of.corner, of.material.spacing, bodies.names[b].count};
-    shapes.push_back({&of, static_cast<Index>(b), {lattice, geom::SiteSet<3>(boxes)}, bodies.names[b]});
+    shapes.push_back({&of,
+                      static_cast<Index>(b),
+                      {lattice, geom::SiteSet<3>(boxes)},
+                      bodies.names[b],
+                      couple::face_share(*bodies.stencil)});
   }
 }
 

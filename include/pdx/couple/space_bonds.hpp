@@ -14,6 +14,7 @@ struct SpaceShape {
   Index body = 0;                   ///< its number
   geom::ActiveLattice<3> where;     ///< sites are counted from the body's corner
   geom::SpaceNames names;
+  double face_share = 0.0; ///< `couple::face_share`
 
   /// Is a material point on a site?
   bool has_point(const Site<3>& site) const { return !where.active.has(site) && of->has(site); }
@@ -27,10 +28,9 @@ using NodeRows = std::map<Site<3>, PetscInt>;
 pd::Exists<3> family_of(const SpaceShape& shape, Index reach);
 
 /// What carries a place in which a bond leaves the particles: the nodes of the face of points there, as they carry
-/// points. Bonds that cross a face of a grid cell hand uniform normal strains on as uniform tractions: each lattice
-/// cell is crossed alike by what its mirror images are. Shear leaves the moment of second order of a lattice cell,
-/// which cancels at nodes in faces and edges, not at corners. Empty where `beyond`, the lattice cell that the bond goes
-/// on in, has no points.
+/// points, and by `face_bubble`. Bonds that cross faces of grid cells then hand any uniform strain on as a uniform
+/// traction: each lattice cell is crossed alike by what its mirror images are. Empty where `beyond`, the lattice cell
+/// that the bond goes on in, has no points.
 /// @param x in spacings from the body's corner
 std::optional<Host> face_host(const SpaceShape& shape, const NodeRows& rows, const Vector<3>& x, const Site<3>& beyond);
 
