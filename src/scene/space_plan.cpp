@@ -1,6 +1,7 @@
 #include "pdx/scene/space_plan.hpp"
 
 #include "pdx/couple/face_trace.hpp"
+#include "pdx/scene/patches.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -127,7 +128,7 @@ SpaceBodies::Stays SpaceBodies::why_stays(const mpm::GridPlace<3>& cell) const
 
 SpaceBodies settle_in_space(options::SceneOptions& options)
 {
-  SpaceBodies bodies{plan_points<3>(options, std::numeric_limits<double>::infinity()), {}, {}, {}};
+  SpaceBodies bodies{plan_points<3>(options, std::numeric_limits<double>::infinity()), {}, {}, {}, {}};
   std::uint64_t first = 0;
   for (const mpm::Body<3>& of : bodies.points.bodies) {
     geom::SpaceNames names;
@@ -137,6 +138,7 @@ SpaceBodies settle_in_space(options::SceneOptions& options)
     bodies.names.push_back(names);
   }
   bodies.stencil = space_plan::stencil_of(options);
+  bodies.sides = solid_sides(options.pd, *bodies.stencil, false);
   space_plan::judge_cells(options, bodies);
   options.pd.cells = space_plan::given_cells(options, bodies);
   return bodies;

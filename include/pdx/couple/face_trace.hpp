@@ -1,4 +1,6 @@
 #pragma once
+#include "pdx/couple/space_shape.hpp"
+#include "pdx/couple/surroundings.hpp"
 #include "pdx/pd/stencil.hpp"
 
 namespace pdx::couple {
@@ -13,4 +15,14 @@ double face_share(const pd::Stencil<3>& stencil);
 
 /// @param y, z from the middle of a lattice cell's face, in spacings    [spacings^2]
 inline double face_bubble(double y, double z) { return y * z * (1.0 - 4.0 * y * y) * (1.0 - 4.0 * z * z); }
+
+/// What carries a place in which a bond leaves the particles: the nodes of the face of points there, as they carry
+/// points, and by `face_bubble`. Bonds that cross faces of grid cells then hand any uniform strain on as a uniform
+/// traction: each lattice cell is crossed alike by what its mirror images are. Within `zone` lattice cells of a free
+/// side, where the tension of corrected bonds is uniform in sum and moment only, the trace of the face across the side
+/// is averaged over these cells, mean and slope. Empty where `beyond` has no points.
+/// @param x in spacings from the body's corner   @param inner, beyond  the lattice cells before and after it on the
+/// bond
+std::optional<Host> face_host(const SpaceShape& shape, const NodeRows& rows, Index zone, const Vector<3>& x,
+                              const Site<3>& inner, const Site<3>& beyond);
 } // namespace pdx::couple
