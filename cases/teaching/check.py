@@ -56,7 +56,7 @@ class Check(case_check.Check):
 
     def block(self, run):
         history = {name: values[-1] for name, values in pdxtools.read_history(run).items()}
-        self.expect_near("work of the push", history["work"], closed_form.block(), 0.03)
+        self.expect_near("work of the push", history["work"], closed_form.block(), 0.005)
         self.expect_near("what of it moves", history["energy_kinetic_particles"], 0.5 * history["work"], 0.01)
 
 

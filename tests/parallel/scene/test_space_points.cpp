@@ -158,6 +158,25 @@ TEST(SpacePoints, OtherBondsAreInBalanceToo)
   for (const Tensor<3>& strain : kStrains) EXPECT_LT(cube.unbalanced(affine(kSmall * strain), kSmall), 1e-12);
 }
 
+/// Free to contract along z, which the body has sides across.
+const Tensor<3> kFree[] = {gradient({1, 0, 0, 0, 0, 0, 0, 0, -1.0 / 3.0}),
+                           gradient({0, 0, 0, 0, 1, 0, 0, 0, -1.0 / 3.0}), gradient({0.4, 0, 0, 0, -1, 0, 0, 0, 0.2})};
+
+// Particles at one free side, and from one to the other, among points that are as free.
+TEST(SpacePoints, FreeSidesAreInBalance)
+{
+  const auto amid = [](const Vector<3>& x) {
+    return (x.head<2>().array() > 1e-9).all() && (x.head<2>().array() < 1.0 - 1e-9).all();
+  };
+  for (const geom::Box<3>& box : {cells({3, 3, 5}, {7, 7, kCells}), cells({3, 4, 0}, {7, 8, kCells})}) {
+    SpaceCube cube(cube_of_points({box}));
+    for (const Tensor<3>& strain : kFree) EXPECT_LT(cube.unbalanced(affine(kSmall * strain), kSmall, amid), 1e-12);
+    // Only the force of shear along the side is uniform, not its moment: a quarter of what is left with `volume`.
+    const SpaceField shear = affine(kSmall * gradient({0, 1, 0, 1, 0, 0, 0, 0, 0}));
+    EXPECT_LT(cube.unbalanced(shear, kSmall, amid), 0.03);
+  }
+}
+
 // Rotation by half a radian about a slanted axis.
 TEST(SpacePoints, RotationIsFreeOfForce)
 {
