@@ -1,4 +1,5 @@
 #pragma once
+#include "pdx/geom/site_set.hpp"
 #include "pdx/geom/space_names.hpp"
 #include "pdx/mpm/body.hpp"
 #include "pdx/mpm/grid_cell.hpp"
