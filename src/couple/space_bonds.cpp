@@ -1,40 +1,17 @@
 #include "pdx/couple/space_bonds.hpp"
 
 #include "pdx/base/events.hpp"
+#include "pdx/couple/face_trace.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace pdx::couple {
 namespace space_bonds {
-constexpr double kNothing = 1e-9; // a weight
-
 Site<3> stepped(Site<3> site, const Site<3>& step, int sign)
 {
   for (std::size_t d = 0; d < 3; ++d) site[d] += sign * step[d];
   return site;
-}
-
-Index grid_cell(Index site, Index ratio) { return (site >= 0 ? site : site - ratio + 1) / ratio; }
-
-/// As the points of a grid cell are carried; nodes that have nothing to say need no row.
-bool add_cell(const NodeRows& rows, Index ratio, const Site<3>& cell, const Vector<3>& x, Host& host)
-{
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    double weight = 1.0;
-    Site<3> node{};
-    for (std::size_t d = 0; d < 3; ++d) {
-      const Index low = grid_cell(cell[d], ratio);
-      const double at = x[static_cast<Eigen::Index>(d)] / ratio - low;
-      const bool upper = corner >> d & 1U;
-      weight *= upper ? at : 1.0 - at;
-      node[d] = low + (upper ? 1 : 0);
-    }
-    if (std::abs(weight) < kNothing) continue;
-    const auto row = rows.find(node);
-    if (row == rows.end() || !host.add(row->second, weight)) return false;
-  }
-  return true;
 }
 
 /// A bond before the rows of particles of other ranks are known.
@@ -52,7 +29,7 @@ public:
   Drafter(const field::Rows& rows, const CouplingOptions& options, Part& part, const SpaceShape& shape,
           const NodeRows& nodes, CarriedPoints<3>& points)
       : rows_(rows), options_(options), part_(part), shape_(shape), nodes_(nodes), points_(points),
-        exists_(family_of(shape, pd::family_reach<3>(part.stencil())))
+        exists_(family_of(shape, family_sight(part.stencil())))
   {
     for (const pd::Arm<3>& arm : part.stencil().half)
       lines_.push_back({geom::pieces_of_line<3>(stepped({0, 0, 0}, arm.step, -1)), geom::pieces_of_line<3>(arm.step)});
@@ -121,11 +98,14 @@ private:
   }
 
   /// As in the plane.
+  ///@{
+  Index zone() const { return factors_.even_over; }
   std::uint64_t key(const Site<3>& site, std::size_t arm, int sign, int part) const
   {
     const std::uint64_t bond = (shape_.names.of(site) * pd::kMaxHalfArms + arm) * 2 + (sign > 0);
     return bond * kPartsOfBonds + static_cast<std::uint64_t>(part);
   }
+  ///@}
 
   bool mine(const Host& host) const
   {
@@ -166,7 +146,8 @@ private:
             line, [&](const auto& piece) { return !part_.active().has(geom::cell_at<3>(site, piece)); });
         const double leave = std::prev(out)->leave;
         const std::optional<Host> face =
-            face_host(shape_, nodes_, on_way(site, step, leave), geom::cell_at<3>(site, *out));
+            face_host(shape_, nodes_, zone(), on_way(site, step, leave), geom::cell_at<3>(site, *std::prev(out)),
+                      geom::cell_at<3>(site, *out));
         if (!face || (!own && !mine(*face))) continue;
         Draft draft;
         draft.site = part_.number(site);
@@ -205,10 +186,11 @@ private:
     const auto first = static_cast<std::size_t>(part.first);
     std::size_t behind = first; // the piece after the last inside
     while (part_.active().has(geom::cell_at<3>(site, line[behind]))) ++behind;
-    const auto face = [&](double way, std::size_t beyond) {
-      return face_host(shape_, nodes_, on_way(site, arm.step, way), geom::cell_at<3>(site, line[beyond]));
+    const auto face = [&](double way, std::size_t inner, std::size_t beyond) {
+      return face_host(shape_, nodes_, zone(), on_way(site, arm.step, way), geom::cell_at<3>(site, line[inner]),
+                       geom::cell_at<3>(site, line[beyond]));
     };
-    const auto enter = face(part.clip.enter, first - 1), leave = face(part.clip.leave, behind);
+    const auto enter = face(part.clip.enter, first, first - 1), leave = face(part.clip.leave, behind - 1, behind);
     if (!enter || !leave || (!mine(*enter) && !mine(*leave))) return;
     Draft draft;
     draft.bond.key = key(site, h, 1, part.first + 1);
@@ -248,6 +230,8 @@ void complete(std::vector<Draft>& drafts, const pd::LatticePart<3>& part)
 }
 } // namespace space_bonds
 
+Index family_sight(const pd::Stencil<3>& stencil) { return 2 * pd::family_reach<3>(stencil); }
+
 pd::Exists<3> family_of(const SpaceShape& shape, Index reach)
 {
   return [&shape, reach](const Site<3>& site) {
@@ -269,15 +253,6 @@ pd::Exists<3> family_of(const SpaceShape& shape, Index reach)
     return std::ranges::any_of(std::array{0U, 1U, 2U},
                                [&](std::size_t d) { return site[d] < 0 || site[d] >= count[d]; });
   };
-}
-
-std::optional<Host> face_host(const SpaceShape& shape, const NodeRows& rows, const Vector<3>& x, const Site<3>& beyond)
-{
-  if (!shape.has_point(beyond)) return std::nullopt;
-  Host host;
-  if (!space_bonds::add_cell(rows, shape.of->material.ratio, beyond, x, host))
-    throw std::logic_error("a bond leaves through a face whose nodes have no rows");
-  return host;
 }
 
 std::unique_ptr<CarriedBonds<3>> carry_bonds(const field::Rows& rows, const CouplingOptions& options,

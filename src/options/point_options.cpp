@@ -333,8 +333,6 @@ void judge_mixed_in_space(const SceneOptions& s)
     throw UserError(beside + "do not become points again: give -adapt expand, without -adapt_hand_back and "
                              "-layout_renew_box");
   if (s.pd.solver != PdOperator::automatic) throw UserError(beside + "have no tangent: drop -pd_operator");
-  if (s.pd.surface_correction == SurfaceCorrection::exact)
-    throw UserError(beside + "have no -pd_surface_correction exact, which is of the plane: give volume or none");
   if (s.mesh.cells[0] > 0 || !s.mesh.file.empty())
     throw UserError(beside + "have no elements: drop -mesh_cells (-mesh_file)");
   if (s.fracture.scatter.any()) throw UserError(beside + "break at one stretch: drop -pd_scatter");

@@ -96,8 +96,8 @@ PdOptions read_pd(const law::Elastic& elastic, bool solid, bool describe)
       o.choice("-pd_calibration", 1, calibrations, "bond constants: the papers', or exact for the lattice"));
   pd.surface_correction = static_cast<SurfaceCorrection>(o.choice(
       "-pd_surface_correction", 0, corrections,
-      "bonds at free surfaces: auto = exact in the plane, volume in space; none; volume = the papers'; exact = right "
-      "in uniform stress and bending"));
+      "bonds at free surfaces: auto = exact, or volume where bonds are too few; none; volume = the papers'; exact = "
+      "right in uniform stress and bending"));
   pd.solver = static_cast<PdOperator>(
       o.choice("-pd_operator", 0, operators, "tangent: matrix-free two-level, or one assembled matrix"));
   pd.skip_tolerance = o.real("-pd_skip_tolerance", 0.0, "m",
@@ -178,8 +178,6 @@ void judge_solid(const SceneOptions& s)
   if (!s.pd.everywhere) throw UserError(solid + "is of particles only: give -pd_patches all");
   if (s.time.analysis != Analysis::explicit_dynamics) throw UserError(solid + "needs -analysis explicit");
   if (s.pd.solver != PdOperator::automatic) throw UserError(solid + "has no tangent: drop -pd_operator");
-  if (s.pd.surface_correction == SurfaceCorrection::exact)
-    throw UserError(solid + "has no -pd_surface_correction exact, which is of the plane: give volume or none");
   if (s.post.any_j()) throw UserError(solid + "cannot stand beside -post_j_...: J is of the plane");
   for (const BoundaryCondition& c : s.conditions) {
     if (c.layer) throw UserError(fmt::format("{}has no -bc_{}_layer: hold rows of particles by _rows", solid, c.name));

@@ -1,17 +1,14 @@
 #include "pdx/pd/side_weights.hpp"
 
+#include "least_change.hpp"
+
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 namespace pdx::pd {
 namespace {
-constexpr double kLeast = 0.2, kMost = 3.0; // a factor's bounds
-constexpr double kMet = 1e-9;               // a condition, over its largest coefficient
-constexpr int kRounds = 500;                // of the active set; a few dozen are needed
-
 /// Half arms that are mirror images of each other in a line across the side.
 struct Kind {
   int along, across; ///< sites that it spans; across >= 0 away from the side
@@ -44,143 +41,67 @@ double missing_moment(const Kind& kind)
 class Conditions {
 public:
   using Aim = SideWeights::Aim;
-  Conditions(std::span<const Kind> kinds, int rows, double poisson) : kinds_(kinds), rows_(rows), poisson_(poisson) {}
+  Conditions(std::span<const Kind> kinds, int rows, double poisson)
+      : kinds_(kinds), rows_(rows), poisson_(poisson), lines_(rows * static_cast<Eigen::Index>(kinds.size()))
+  {}
 
   /// The planes between rows pass the bulk's sum of mu kappa of(kind).
   template <class Of> void pass_planes(Of&& of)
   {
     for (int plane = 1; plane < 2 * rows_; ++plane) {
-      begin();
+      lines_.begin();
       for (std::size_t k = 0; k < kinds_.size(); ++k) {
         const double force = kinds_[k].mu * kinds_[k].kappa * of(kinds_[k]);
-        rhs_ += kinds_[k].across * force;
+        lines_.right() += kinds_[k].across * force;
         for (int row = std::max(0, plane - kinds_[k].across); row < plane; ++row) count(row, k, force);
       }
-      end();
+      lines_.end();
     }
   }
 
   /// The moment of this power (0, 1, 2) of tension along the side.
   void hold_moment(int power, Aim aim)
   {
-    begin();
+    lines_.begin();
     for (std::size_t k = 0; k < kinds_.size(); ++k) {
       const Kind& kind = kinds_[k];
       const double a = kind.across, along = kind.nx * kind.nx;
       const double share = kind.mu * kind.kappa * kind.length * along * stretch(kind);
       const double first = aim == Aim::bending ? (3.0 * a * a - 1.0) / 24.0 : missing_moment(kind);
       const double missing[] = {a / 2.0, first, (a * a * a - a) / 24.0};
-      rhs_ += share * missing[power];
+      lines_.right() += share * missing[power];
       for (int row = 0; row < rows_; ++row) {
         const double weight = share * std::pow(row + 0.5 * a + 0.5, power);
-        coefficients_[number(row, k)] += weight;
-        rhs_ += weight;
+        lines_.of(number(row, k)) += weight;
+        lines_.right() += weight;
       }
     }
-    end();
+    lines_.end();
   }
 
   /// Stretch of a bond under tension along the side, of strain 1.
   double stretch(const Kind& kind) const { return kind.nx * kind.nx - poisson_ * kind.ny * kind.ny; }
 
-  Eigen::MatrixXd matrix() const
-  {
-    Eigen::MatrixXd a(static_cast<Eigen::Index>(lines_.size()), rows_ * static_cast<Eigen::Index>(kinds_.size()));
-    for (std::size_t l = 0; l < lines_.size(); ++l) a.row(static_cast<Eigen::Index>(l)) = lines_[l].transpose();
-    return a;
-  }
-  Eigen::VectorXd right_side() const
-  {
-    return Eigen::Map<const Eigen::VectorXd>(right_.data(), static_cast<Eigen::Index>(right_.size()));
-  }
+  const FactorConditions& lines() const { return lines_; }
 
 private:
   Eigen::Index number(int row, std::size_t kind) const
   {
     return row * static_cast<Eigen::Index>(kinds_.size()) + static_cast<Eigen::Index>(kind);
   }
-  void begin()
-  {
-    coefficients_ = Eigen::VectorXd::Zero(rows_ * static_cast<Eigen::Index>(kinds_.size()));
-    rhs_ = 0.0;
-  }
   void count(int row, std::size_t kind, double value)
   {
     if (row < rows_)
-      coefficients_[number(row, kind)] += value;
+      lines_.of(number(row, kind)) += value;
     else
-      rhs_ -= value; // deeper bonds have the factor 1
+      lines_.right() -= value; // deeper bonds have the factor 1
   }
-  void end()
-  {
-    const double largest = coefficients_.cwiseAbs().maxCoeff();
-    if (largest == 0.0) return;
-    lines_.push_back(coefficients_ / largest);
-    right_.push_back(rhs_ / largest);
-  }
-
   std::span<const Kind> kinds_;
   int rows_;
   double poisson_;
-  Eigen::VectorXd coefficients_;
-  double rhs_ = 0.0;
-  std::vector<Eigen::VectorXd> lines_;
-  std::vector<double> right_;
+  FactorConditions lines_;
 };
 
-/// The w next to 1 in the norm sum weight (w - 1)^2 with A w = b and all w within bounds, by an active set: the factor
-/// furthest out of bounds is held there, the one that pulls back most is let go. Nothing if there is none.
-std::optional<Eigen::VectorXd> next_to_one(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
-                                           const Eigen::VectorXd& weight)
-{
-  const Eigen::Index size = a.cols();
-  Eigen::VectorXd w = Eigen::VectorXd::Ones(size);
-  std::vector<int> held(static_cast<std::size_t>(size), 0); // -1 at kLeast, +1 at kMost
-  std::optional<Eigen::VectorXd> found;
-  for (int round = 0; round < kRounds; ++round) {
-    const Eigen::VectorXd root = weight.cwiseSqrt();
-    Eigen::MatrixXd scaled = a * root.cwiseInverse().asDiagonal();
-    Eigen::VectorXd missing = b;
-    for (Eigen::Index k = 0; k < size; ++k) {
-      const int at = held[static_cast<std::size_t>(k)];
-      missing -= (at ? w[k] : 1.0) * a.col(k);
-      if (at) scaled.col(k).setZero();
-    }
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(1e-11);
-    solver.compute(scaled);
-    const Eigen::VectorXd z = solver.solve(missing);
-    if ((scaled * z - missing).cwiseAbs().maxCoeff() > kMet) return found;
-    Eigen::Index worst = -1;
-    double excess = 1e-12;
-    for (Eigen::Index k = 0; k < size; ++k) {
-      if (held[static_cast<std::size_t>(k)]) continue;
-      w[k] = 1.0 + z[k] / root[k];
-      const double out = std::max(kLeast - w[k], w[k] - kMost);
-      if (out > excess) worst = k;
-      excess = std::max(excess, out);
-    }
-    if (worst >= 0) {
-      held[static_cast<std::size_t>(worst)] = w[worst] < kLeast ? -1 : 1;
-      w[worst] = std::clamp(w[worst], kLeast, kMost);
-      continue;
-    }
-    found = w;
-    // Multipliers: weight (w - 1) = A^T l for what is free; what is held must push against its bound.
-    const Eigen::VectorXd multiplier = scaled.transpose().completeOrthogonalDecomposition().solve(z);
-    const Eigen::VectorXd push =
-        weight.cwiseProduct(w - Eigen::VectorXd::Ones(size)) - a.transpose() * multiplier; // of the objective
-    double pull = 1e-9 * weight.maxCoeff();
-    for (Eigen::Index k = 0; k < size; ++k) {
-      const double back = held[static_cast<std::size_t>(k)] * push[k];
-      if (back > pull) worst = k;
-      pull = std::max(pull, back);
-    }
-    if (worst < 0) return found;
-    held[static_cast<std::size_t>(worst)] = 0;
-  }
-  return found;
-}
 } // namespace
 
 std::optional<SideWeights> SideWeights::solve(const Stencil<2>& stencil, Aim aim)
@@ -204,7 +125,7 @@ std::optional<SideWeights> SideWeights::solve(const Stencil<2>& stencil, Aim aim
       conditions.pass_planes([&](const Kind& kind) { return conditions.stretch(kind) * kind.ny; });
     }
     for (const int power : {0, 1, 2}) conditions.hold_moment(power, aim);
-    const auto w = next_to_one(conditions.matrix(), conditions.right_side(), weight);
+    const auto w = next_to_one(conditions.lines(), weight);
     if (!w) continue;
     SideWeights result(rows, all_strains);
     for (Eigen::Index k = 0; k < w->size(); ++k) {

@@ -141,9 +141,33 @@ std::string thin_warning(const options::SceneOptions& options, const PatchPlan& 
   });
 }
 
-std::string thin_warning(const options::SceneOptions& options, const std::array<Index, 3>& count)
+std::string thin_warning(const options::SceneOptions& options, const std::array<Index, 3>& count,
+                         const pd::Stencil<3>& stencil, const std::optional<pd::SolidSides>& sides)
 {
-  return warning_of<3>(options, count, of_volumes);
+  const bool volume = !sides && options.pd.surface_correction != options::SurfaceCorrection::none;
+  return warning_of<3>(options, count, [&](int rows) {
+    if (volume) return of_volumes(rows);
+    std::array<Index, 3> sorted = count;
+    std::ranges::sort(sorted);
+    return fmt::format("a bar of {} x {} is {:.3g} times as stiff as the material in tension", sorted[0], sorted[1],
+                       pd::bar_tension(stencil, sides ? &*sides : nullptr, {sorted[0], sorted[1]}));
+  });
+}
+
+namespace {
+std::string too_few_bonds(double ratio)
+{
+  return fmt::format(
+      "-pd_surface_correction: bonds of -pd_horizon_ratio {} are too few for exact free sides, volume is "
+      "taken, which makes thin bodies of particles too stiff; a ratio of 3 to 6 has exact ones",
+      ratio);
+}
+} // namespace
+
+std::string correction_warning(const options::SceneOptions& options, const std::optional<pd::SolidSides>& sides)
+{
+  if (options.pd.surface_correction != options::SurfaceCorrection::automatic || sides) return {};
+  return too_few_bonds(options.pd.horizon_ratio);
 }
 
 std::string correction_warning(const options::SceneOptions& options, const PatchPlan& plan)
@@ -156,10 +180,7 @@ std::string correction_warning(const options::SceneOptions& options, const Patch
                         return plan.body.contains(shape.box.lower, -near) && plan.body.contains(shape.box.upper, -near);
                       });
   if (inside && options.cracks.lines.empty()) return {}; // no free side is met
-  return fmt::format(
-      "-pd_surface_correction: bonds of -pd_horizon_ratio {} are too few for exact free sides, volume is "
-      "taken, which makes thin bodies of particles too stiff; a ratio of 3 to 6 has exact ones",
-      options.pd.horizon_ratio);
+  return too_few_bonds(options.pd.horizon_ratio);
 }
 
 std::string corner_warning(const PatchPlan& plan, const geom::Box<2>& body, const geom::Frame& frame)

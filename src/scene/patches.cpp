@@ -43,12 +43,13 @@ double area_of(const std::array<Vector<2>, 4>& corners) ///< [m^2]
 }
 
 /// Elements take tension over where it is; particles alone bend right.
-std::optional<pd::SideWeights> side_weights(const options::PdOptions& pd, const pd::Stencil<2>& stencil)
+template <class Weights, int Dim>
+std::optional<Weights> weights_of(const options::PdOptions& pd, const pd::Stencil<Dim>& stencil, bool alone)
 {
-  using Aim = pd::SideWeights::Aim;
+  using Aim = typename Weights::Aim;
   const bool demanded = pd.surface_correction == options::SurfaceCorrection::exact;
   if (!demanded && pd.surface_correction != options::SurfaceCorrection::automatic) return std::nullopt;
-  auto weights = pd::SideWeights::solve(stencil, pd.everywhere ? Aim::bending : Aim::traction);
+  auto weights = Weights::solve(stencil, alone ? Aim::bending : Aim::traction);
   if (!weights && demanded)
     throw UserError(fmt::format("-pd_surface_correction is exact: bonds of -pd_horizon_ratio {} are too few for it; "
                                 "take a ratio of 3 to 6, or volume",
@@ -56,6 +57,11 @@ std::optional<pd::SideWeights> side_weights(const options::PdOptions& pd, const 
   return weights;
 }
 } // namespace
+
+std::optional<pd::SolidSides> solid_sides(const options::PdOptions& pd, const pd::Stencil<3>& stencil, bool alone)
+{
+  return weights_of<pd::SolidSides>(pd, stencil, alone);
+}
 
 template <int Dim> geom::Lattice<Dim> lattice_in(const geom::Box<Dim>& box, double dx)
 {
@@ -141,7 +147,7 @@ PatchPlan plan_patches(const options::SceneOptions& options, mesh::MeshOptions& 
     } catch (const UserError& wrong) {
       throw UserError(fmt::format("-pd_horizon_ratio is {}: {}", options.pd.horizon_ratio, wrong.what()));
     }
-    plan.sides.push_back(side_weights(options.pd, plan.stencils.back()));
+    plan.sides.push_back(weights_of<pd::SideWeights>(options.pd, plan.stencils.back(), options.pd.everywhere));
   }
   if (options.pd.everywhere && mesh.cells[0] == 0) mesh.cells = background_cells(plan.shapes[0].lattice);
   return plan;

@@ -200,7 +200,9 @@ public:
   StepLimits limits() override { return limits_of<3>({&plan_.stencil, 1}, solid_->system, options_.regions.get()); }
   std::vector<std::string> warnings() override
   {
-    return {thin_warning(options_, plan_.lattice.count), region_warning(options_, mesh_, solid_->particles)};
+    return {correction_warning(options_, plan_.sides),
+            thin_warning(options_, plan_.lattice.count, plan_.stencil, plan_.sides),
+            region_warning(options_, mesh_, solid_->particles)};
   }
 
 private:
@@ -271,6 +273,7 @@ public:
   Standing standing() override { return {&mesh_, body_.get()}; }
   field::System& system() override { return body_->system; }
   StepLimits limits() override { return limits_of<3>({&*bodies_.stencil, 1}, body_->system); }
+  std::vector<std::string> warnings() override { return {correction_warning(options_, bodies_.sides)}; }
   const adapt::SpaceView* space() const override { return &*view_; }
   void change(const Layout& layout) override
   {

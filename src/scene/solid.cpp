@@ -26,6 +26,7 @@ SolidPlan plan_solid(const options::SceneOptions& options, mesh::MeshOptions& me
   } catch (const UserError& wrong) {
     throw UserError(fmt::format("-pd_horizon_ratio is {}: {}", options.pd.horizon_ratio, wrong.what()));
   }
+  plan.sides = solid_sides(options.pd, plan.stencil, true);
   if (mesh.cells[0] == 0) mesh.cells = background_cells(plan.columns.shapes[0].lattice);
   return plan;
 }
@@ -71,9 +72,11 @@ pd::BondTerm<3>& add_bonds(const options::SceneOptions& options, const SolidPlan
   std::vector<Index> sites;
   for (const pd::Particle& particle : solid.particles) sites.push_back(particle.site);
   pd::SurfaceCorrection<3> correction;
-  if (options.pd.surface_correction != options::SurfaceCorrection::none)
-    correction = pd::correct_volumes<3>(
-        plan.stencil, [lattice = plan.lattice](const Site<3>& site) { return lattice.contains(site); });
+  const pd::Exists<3> exists = [lattice = plan.lattice](const Site<3>& site) { return lattice.contains(site); };
+  if (plan.sides)
+    correction = pd::correct_sides(plan.stencil, *plan.sides, exists, &solid.cracks);
+  else if (options.pd.surface_correction != options::SurfaceCorrection::none)
+    correction = pd::correct_volumes<3>(plan.stencil, exists);
   std::vector<std::unique_ptr<pd::LatticePart<3>>> parts;
   parts.push_back(std::make_unique<pd::LatticePart<3>>(solid.system.rows, plan.lattice, plan.stencil, std::move(sites),
                                                        0, in_regions<3>(options, plan.stencil, std::move(correction)),

@@ -181,8 +181,11 @@ void add_bonds(const options::SceneOptions& options, SpaceModel& space)
     const Index first = row;
     row += static_cast<Index>(sites.size());
     pd::SurfaceCorrection<3> correction;
-    if (options.pd.surface_correction != options::SurfaceCorrection::none)
-      correction = pd::correct_volumes<3>(stencil, couple::family_of(shape, pd::family_reach<3>(stencil)));
+    pd::Exists<3> exists = couple::family_of(shape, couple::family_sight(stencil));
+    if (space.space->sides)
+      correction = pd::correct_sides(stencil, *space.space->sides, std::move(exists), nullptr);
+    else if (options.pd.surface_correction != options::SurfaceCorrection::none)
+      correction = pd::correct_volumes<3>(stencil, std::move(exists));
     parts.push_back(std::make_unique<pd::LatticePart<3>>(space.system.rows, shape.where, stencil, std::move(sites),
                                                          first, std::move(correction)));
   }

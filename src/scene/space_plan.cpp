@@ -1,5 +1,8 @@
 #include "pdx/scene/space_plan.hpp"
 
+#include "pdx/couple/face_trace.hpp"
+#include "pdx/scene/patches.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -125,7 +128,7 @@ SpaceBodies::Stays SpaceBodies::why_stays(const mpm::GridPlace<3>& cell) const
 
 SpaceBodies settle_in_space(options::SceneOptions& options)
 {
-  SpaceBodies bodies{plan_points<3>(options, std::numeric_limits<double>::infinity()), {}, {}, {}};
+  SpaceBodies bodies{plan_points<3>(options, std::numeric_limits<double>::infinity()), {}, {}, {}, {}};
   std::uint64_t first = 0;
   for (const mpm::Body<3>& of : bodies.points.bodies) {
     geom::SpaceNames names;
@@ -135,6 +138,7 @@ SpaceBodies settle_in_space(options::SceneOptions& options)
     bodies.names.push_back(names);
   }
   bodies.stencil = space_plan::stencil_of(options);
+  bodies.sides = solid_sides(options.pd, *bodies.stencil, false);
   space_plan::judge_cells(options, bodies);
   options.pd.cells = space_plan::given_cells(options, bodies);
   return bodies;
@@ -164,7 +168,11 @@ SpacePlan::SpacePlan(const SpaceBodies& bodies, const std::vector<mpm::GridPlace
     }
     if (boxes.empty()) continue;
     const geom::Lattice<3> lattice{of.corner, of.material.spacing, bodies.names[b].count};
-    shapes.push_back({&of, static_cast<Index>(b), {lattice, geom::SiteSet<3>(boxes)}, bodies.names[b]});
+    shapes.push_back({&of,
+                      static_cast<Index>(b),
+                      {lattice, geom::SiteSet<3>(boxes)},
+                      bodies.names[b],
+                      couple::face_share(*bodies.stencil)});
   }
 }
 

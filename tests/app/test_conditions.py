@@ -94,7 +94,7 @@ class Rollers(program.ProgramTest):
             "implicit": BOX | {"-mesh_cells": "4,4", "-analysis": "implicit", "-ts_dt": "1e-4"},
             "particles": BOX | {"-pd_patches": "all", "-pd_spacing": "0.05"},
             "solid": BOX | {"-pd_patches": "all", "-pd_spacing": "0.1", "-material_plane": "solid", "-material_thickness": "0.4",
-                            "-material_poisson": "0.25", "-pd_horizon_ratio": "2"},
+                            "-material_poisson": "0.25", "-pd_horizon_ratio": "2", "-pd_surface_correction": "volume"},
             "cloud": {"-pd_cloud": str(self.scratch / "cloud.csv"), "-pd_horizon": "0.3"},
             "points": {"-mpm_bodies": "a", "-mpm_a_box": "0,0,0.4,0.4", "-mpm_spacing": "0.05"},
             "updated": {"-mpm_bodies": "a", "-mpm_a_box": "0,0,0.4,0.4", "-mpm_spacing": "0.05", "-mpm_formulation": "updated"},
@@ -196,7 +196,7 @@ class Turning(program.ProgramTest):
             "elements": BOX | {"-mesh_cells": "4,4", "-kinematics": "finite"},
             "implicit": BOX | {"-mesh_cells": "4,4", "-kinematics": "finite", "-analysis": "implicit", "-ts_dt": "1e-3"},
             "solid": BOX | {"-pd_patches": "all", "-pd_spacing": "0.1", "-material_plane": "solid", "-material_thickness": "0.4",
-                            "-material_poisson": "0.25", "-pd_horizon_ratio": "2", "-kinematics": "finite"},
+                            "-material_poisson": "0.25", "-pd_horizon_ratio": "2", "-pd_surface_correction": "volume", "-kinematics": "finite"},
             "points": {"-mpm_bodies": "a", "-mpm_a_box": "0,0,0.4,0.4", "-mpm_spacing": "0.05"},
         }  # fmt: skip
         for (name, more), run in zip(kinds.items(), program.in_pairs(lambda more: self.solve(WEIGHT | turned | more), kinds.values())):

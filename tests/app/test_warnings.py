@@ -164,7 +164,8 @@ class Warnings(program.ProgramTest):
     def test_a_third_component_that_was_left_out(self):
         block = {"-case": "block", "-analysis": "explicit", "-mesh_lower": "0,0", "-mesh_upper": "0.8,0.8", "-material_thickness": "0.8",
                  "-material_plane": "solid", "-material_young": "1e9", "-material_density": "1000", "-pd_patches": "all",
-                 "-pd_spacing": "0.1", "-pd_horizon_ratio": "2", "-ts_max_steps": "2", "-bc_names": "hit", "-bc_hit_on": "left",
+                 "-pd_spacing": "0.1", "-pd_horizon_ratio": "2", "-pd_surface_correction": "volume", "-ts_max_steps": "2",
+                 "-bc_names": "hit", "-bc_hit_on": "left",
                  "-bc_hit_velocity": "1,free", "-quiet": ""}  # fmt: skip
         self.assert_warned(self.launch(block), r"-bc_hit_velocity has two components in space: along z it is free")
         self.assertEqual(self.launch(block | {"-bc_hit_velocity": "1,free,free"}).err, "")

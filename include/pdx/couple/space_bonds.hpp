@@ -1,38 +1,14 @@
 #pragma once
 #include "pdx/couple/schemes.hpp"
-#include "pdx/geom/space_names.hpp"
-#include "pdx/mpm/body.hpp"
-#include "pdx/mpm/grid_cell.hpp"
-
-#include <map>
+#include "pdx/couple/space_shape.hpp"
 
 namespace pdx::couple {
-/// Where particles have taken cells of a body of material points in space: all of them are one patch, of any shape, on
-/// the lattice of the body's points.
-struct SpaceShape {
-  const mpm::Body<3>* of = nullptr; ///< outlives this
-  Index body = 0;                   ///< its number
-  geom::ActiveLattice<3> where;     ///< sites are counted from the body's corner
-  geom::SpaceNames names;
-
-  /// Is a material point on a site?
-  bool has_point(const Site<3>& site) const { return !where.active.has(site) && of->has(site); }
-};
-
-/// Global rows of the nodes of a grid where points meet particles, of all ranks, by place.
-using NodeRows = std::map<Site<3>, PetscInt>;
-
 /// Where material counts to bond families: where the body has some, and beyond its ends where points are all that
 /// particles within `reach` sites see of them.
 pd::Exists<3> family_of(const SpaceShape& shape, Index reach);
-
-/// What carries a place in which a bond leaves the particles: the nodes of the face of points there, as they carry
-/// points. Bonds that cross a face of a grid cell hand uniform normal strains on as uniform tractions: each lattice
-/// cell is crossed alike by what its mirror images are. Shear leaves the moment of second order of a lattice cell,
-/// which cancels at nodes in faces and edges, not at corners. Empty where `beyond`, the lattice cell that the bond goes
-/// on in, has no points.
-/// @param x in spacings from the body's corner
-std::optional<Host> face_host(const SpaceShape& shape, const NodeRows& rows, const Vector<3>& x, const Site<3>& beyond);
+/// How far bonds of particles look along an end of the body: to their other ends, and whether these see a straight
+/// side.
+Index family_sight(const pd::Stencil<3>& stencil);
 
 /// The carried bonds of all bodies that touch a row of this rank, by the scheme `energy`. Collective.
 /// @param nodes of each shape

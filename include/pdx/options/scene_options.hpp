@@ -20,8 +20,8 @@ namespace pdx::options {
 /// How strains are measured. small: linear bonds and elements. finite: finite-stretch bonds and St Venant-Kirchhoff
 /// elements. mixed: the papers' finite bonds with linear elements.
 enum class KinematicsOption { small, finite, mixed };
-/// Of bonds at free surfaces. exact: `pd::SideWeights`, in the plane only. volume: the papers'. automatic: exact where
-/// it can be, else by volume.
+/// Of bonds at free surfaces. exact: `pd::SideWeights`, in space `pd::SolidSides`. volume: the papers'. automatic:
+/// exact where it can be, else by volume.
 enum class SurfaceCorrection { automatic, none, volume, exact };
 enum class PdOperator { automatic, matrix_free, assembled };
 

@@ -33,6 +33,11 @@ public:
   int rows() const { return rows_; }
   /// @param row of the nearer end, 0 the outermost   @param along, across  sites that the bond spans, at least 0    [-]
   double at(int row, int along, int across) const { return row < rows_ ? factors_[place(row, along, across)] : 1.0; }
+  /// Of a bond that spans so many sites, by the axis across the side.
+  double at(int row, const Site<2>& step, std::size_t axis) const
+  {
+    return at(row, std::abs(step[1 - axis]), std::abs(step[axis]));
+  }
   bool all_strains() const { return all_strains_; } ///< 1. holds for all uniform strains
 
 private:

@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/pd/breaker.hpp"
 #include "pdx/pd/side_weights.hpp"
+#include "pdx/pd/solid_sides.hpp"
 
 #include <functional>
 
@@ -34,11 +35,15 @@ template <int Dim> double family_share(const Stencil<Dim>& stencil, const Site<D
 /// The papers' volume method: 2 / (q_i + q_j), q = `family_share`.
 template <int Dim> SurfaceCorrection<Dim> correct_volumes(Stencil<Dim> stencil, Exists<Dim> exists);
 
-/// `SideWeights` beside each straight side along rows: of the body, where no site exists behind, and of the cracks,
-/// both of whose faces are sides. Where sides meet, the product of theirs. A side is straight at a site whose
-/// neighbours up to a reach away along it, as far as they hang together, are as many rows inside: sides at a slant,
-/// re-entrant corners and the last rows behind a tip are left as they are.
+/// `SideWeights`, in space `SolidSides`, beside each straight side along rows: of the body, where no site exists
+/// behind, and of the cracks, both of whose faces are sides. Where sides meet, the product of theirs. A side is
+/// straight at a site whose neighbours up to a reach away along it, as far as they hang together, are as many rows
+/// inside: sides at a slant, re-entrant corners and the last rows behind a tip are left as they are.
 /// @param cracks must outlive the result; may be nullptr
+///@{
 SurfaceCorrection<2> correct_sides(Stencil<2> stencil, SideWeights weights, Exists<2> exists,
                                    const crack::CrackSet* cracks);
+SurfaceCorrection<3> correct_sides(Stencil<3> stencil, SolidSides weights, Exists<3> exists,
+                                   const crack::CrackSet* cracks);
+///@}
 } // namespace pdx::pd

@@ -13,7 +13,8 @@ template <std::size_t Dim> void require_rows(const options::SceneOptions& option
 
 /// Says how far a body of few rows is from one that is as stiff as its material; empty for a thick one.
 std::string thin_warning(const options::SceneOptions& options, const PatchPlan& plan);
-std::string thin_warning(const options::SceneOptions& options, const std::array<Index, 3>& count);
+std::string thin_warning(const options::SceneOptions& options, const std::array<Index, 3>& count,
+                         const pd::Stencil<3>& stencil, const std::optional<pd::SolidSides>& sides);
 
 /// Says which region has no element and no particle, so that it changes nothing; empty if each has one. Collective.
 std::string region_warning(const options::SceneOptions& options, const mesh::Mesh& mesh,
@@ -21,6 +22,7 @@ std::string region_warning(const options::SceneOptions& options, const mesh::Mes
 
 /// Says that the default correction of free sides had to give way to `volume`; empty where it had not.
 std::string correction_warning(const options::SceneOptions& options, const PatchPlan& plan);
+std::string correction_warning(const options::SceneOptions& options, const std::optional<pd::SolidSides>& sides);
 
 /// Says which patch has an inner corner so near to a side of the body that the correction of the side is not exact
 /// there; empty if none has. @param body  the box around the mesh [m]

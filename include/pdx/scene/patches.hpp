@@ -16,6 +16,10 @@ struct PatchPlan {
   std::vector<std::optional<pd::SideWeights>> sides; ///< per patch: of the exact surface correction, where it is used
 };
 
+/// Of the exact surface correction in space, where it is wanted and can be had. Throws UserError where it is demanded
+/// and cannot. @param alone  without points around
+std::optional<pd::SolidSides> solid_sides(const options::PdOptions& pd, const pd::Stencil<3>& stencil, bool alone);
+
 /// The lattice of particles in a box. Throws UserError for a spacing that does not fit, naming one that does.
 template <int Dim> geom::Lattice<Dim> lattice_in(const geom::Box<Dim>& box, double dx);
 

@@ -9,6 +9,7 @@ struct SolidPlan {
   PatchPlan columns; ///< the body in the plane as one patch, without stencil
   geom::Lattice<3> lattice;
   pd::Stencil<3> stencil;
+  std::optional<pd::SolidSides> sides; ///< of the exact surface correction, where it is used
 };
 
 /// Completes the mesh options by background cells of about 4 dx. Throws UserError for a spacing that does not fit all

@@ -12,6 +12,7 @@ struct SpaceBodies {
   std::vector<geom::SpaceNames> names;          ///< of the lattices of the bodies
   std::vector<std::vector<std::uint8_t>> stays; ///< per body and cell: 0 where particles may take it, else why not
   std::optional<pd::Stencil<3>> stencil;
+  std::optional<pd::SolidSides> sides; ///< of the exact surface correction, where it is used
 
   enum Stays : std::uint8_t { kFree, kNotFull, kOther, kHeld };
   Stays why_stays(const mpm::GridPlace<3>& cell) const;
