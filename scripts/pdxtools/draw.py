@@ -157,7 +157,7 @@ def prepare(axes, run, title):
 
 
 def colour_bar(axes, mappable, label):
-    bar = axes.figure.colorbar(mappable, ax=axes, fraction=0.046, pad=0.03, label=label)
+    bar = axes.figure.colorbar(mappable, cax=axes.inset_axes([1.03, 0.0, 0.04, 1.0]), label=label)  # as high as the body
     bar.outline.set_linewidth(0.5)
     bar.ax.tick_params(width=0.5)
     if isinstance(mappable.norm, LogNorm):
