@@ -2,8 +2,9 @@
 """Draws runs in which points become particles, as the paper's figures do: of the first run what is points (grey) and what
 particles (blue) at each time with fields, and the damage at the last; of all runs the share of particles and the growth of the
 crack, or how many bonds are broken, over time. With --bar a bar along x instead: kinds, damage and displacement at each time.
+With --ends the damage of every run at its last time, side by side.
 
-usage: conversion_pictures.py RUN [RUN ...] --out picture.png [--bar] [--label TEXT ...] [--first SECONDS]
+usage: conversion_pictures.py RUN [RUN ...] --out picture.png [--bar | --ends] [--label TEXT ...] [--first SECONDS]
 """
 
 import argparse
@@ -32,8 +33,6 @@ def damage(block):
 
 def places(block):
     return 1e3 * block.points[:, :2]
-
-
 
 
 def gap(x):
@@ -117,18 +116,34 @@ def picture(runs, labels, first):
     return figure
 
 
+def ends(runs, labels, first):
+    last = [steps(run, first)[-1] for run in runs]
+    extent = np.ptp(places(last[0][1]["points"]), axis=0)
+    figure, panels = plt.subplots(1, len(runs), figsize=(PANEL * len(runs), PANEL * extent[1] / extent[0] + 0.5),
+                                  sharex=True, sharey=True, squeeze=False, layout="constrained")
+    for axes, (time, blocks), label in zip(panels[0], last, labels):
+        plane(axes, time, blocks, True)
+        axes.set_title(f"{label}, {1e6 * time:.3g} µs", fontsize=9)
+    return figure
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("runs", nargs="+", type=pathlib.Path)
     parser.add_argument("--out", required=True)
-    parser.add_argument("--bar", action="store_true")
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument("--bar", action="store_true")
+    kind.add_argument("--ends", action="store_true")
     parser.add_argument("--label", nargs="+")
     parser.add_argument("--first", type=float, default=0.0)
     arguments = parser.parse_args()
     labels = arguments.label or [run.name for run in arguments.runs]
     if len(labels) != len(arguments.runs):
         parser.error(f"{len(labels)} labels for {len(arguments.runs)} runs")
-    figure = bar(arguments.runs[0], arguments.first) if arguments.bar else picture(arguments.runs, labels, arguments.first)
+    if arguments.bar:
+        figure = bar(arguments.runs[0], arguments.first)
+    else:
+        figure = (ends if arguments.ends else picture)(arguments.runs, labels, arguments.first)
     figure.savefig(arguments.out, dpi=110)
     print(arguments.out)
 

@@ -169,12 +169,13 @@ geom::LatticeAnchor lattice_of(const SceneView& scene, std::span<const geom::Lat
 
 bool can_convert(const SceneView& scene, std::span<const geom::LatticeAnchor> lattices)
 {
-  bool any = false;
+  bool any = false, left = false;
   for (Index c = 0; c < scene.mesh.owned_cells() && !any; ++c) {
+    left = left || scene.mesh.use(c) != mesh::Use::covered;
     const geom::LatticeAnchor anchor = lattice_of(scene, lattices, scene.mesh.body(c));
     any = can_cover(scene, c) && is_divided(scene.mesh.corners(c), {anchor.corner, anchor.spacing, {1, 1}});
   }
-  return any_rank(scene.mesh.comm(), any);
+  return any_rank(scene.mesh.comm(), any) || !any_rank(scene.mesh.comm(), left);
 }
 
 std::vector<LayoutChange::Cover> conversion(const SceneView& scene, BulkWatch& watch,

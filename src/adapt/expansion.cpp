@@ -68,12 +68,13 @@ std::optional<Vector<2>> broken_at_border(const SceneView& scene, std::span<cons
 
 bool can_expand(const SceneView& scene)
 {
-  bool any = false;
-  for (Index c = 0; c < scene.mesh.owned_cells(); ++c)
-    for (const couple::Surroundings& around : scene.around) {
+  bool any = false, left = false;
+  for (Index c = 0; c < scene.mesh.owned_cells(); ++c) {
+    left = left || scene.mesh.use(c) != mesh::Use::covered;
+    for (const couple::Surroundings& around : scene.around)
       any = any || (can_cover(scene, c) && is_divided(scene.mesh.corners(c), around.shape().lattice));
-    }
-  return any_rank(scene.mesh.comm(), any);
+  }
+  return any_rank(scene.mesh.comm(), any) || !any_rank(scene.mesh.comm(), left);
 }
 
 std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<const Reaches> reaches,

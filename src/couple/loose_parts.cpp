@@ -141,6 +141,8 @@ LooseParts::LooseParts(const JoinedModels& models, const field::System& system) 
   for (const auto& part : models_.parts) foreign_.emplace_back(*part);
 }
 
+LooseParts::~LooseParts() = default;
+
 void LooseParts::tie_elements(Ties& ties) const
 {
   const auto row = [&](Index cell, std::size_t a) {
@@ -184,9 +186,9 @@ void LooseParts::tie_particles(Ties& ties, const pd::LatticePart<2>& part, std::
   }
 }
 
+/// @param ties those by elements
 void LooseParts::tie(Ties& ties, bool thoroughly) const
 {
-  tie_elements(ties);
   for (std::size_t p = 0; p < models_.parts.size(); ++p) tie_particles(ties, *models_.parts[p], p, thoroughly);
   if (!models_.carried) return;
   std::vector<std::array<Index, 2>> pairs;
@@ -198,8 +200,12 @@ std::optional<LoosePart> LooseParts::find(Index debris) const
 {
   static Event event("support_parts");
   Timed timed(event);
+  if (!by_elements_) {
+    by_elements_ = std::make_unique<Ties>(system_.rows);
+    tie_elements(*by_elements_);
+  }
   for (const bool thoroughly : {false, true}) {
-    Ties ties(system_.rows);
+    Ties ties(*by_elements_);
     tie(ties, thoroughly);
     const auto loose = judge(ties.labels(), debris);
     if (!loose || thoroughly) return loose;
@@ -240,17 +246,19 @@ std::optional<LoosePart> LooseParts::judge(const std::vector<PetscInt>& labels, 
   const field::Rows& rows = system_.rows;
   const auto& x = system_.coordinates;
   std::map<PetscInt, Part> parts;
+  Part* latest = nullptr;
   for (std::size_t k = 0; k < labels.size(); ++k) {
     if (labels[k] < 0) continue;
     const bool particle = static_cast<Index>(k) >= rows.first_particle();
     const bool loaded = system_.load[2 * k] != 0.0 || system_.load[2 * k + 1] != 0.0;
     const double at[2] = {x[2 * k], x[2 * k + 1]};
-    parts[labels[k]] += Part{labels[k], {at[0], at[1]}, {at[0], at[1]}, !particle, particle, loaded};
+    if (!latest || latest->label != labels[k]) latest = &parts[labels[k]];
+    *latest += Part{labels[k], {at[0], at[1]}, {at[0], at[1]}, !particle, particle, loaded};
   }
   std::vector<Part> mine;
-  for (const auto& [label, part] : parts) mine.push_back(part);
+  for (const auto& [label, of] : parts) mine.push_back(of);
   parts.clear();
-  for (const Part& part : gather_all(rows.comm, mine)) parts[part.label] += part;
+  for (const Part& of : gather_all(rows.comm, mine)) parts[of.label] += of;
 
   // How strongly the held components of a part resist each rigid motion: translations along x and y, rotation.
   struct Resistance {
@@ -269,14 +277,9 @@ std::optional<LoosePart> LooseParts::judge(const std::vector<PetscInt>& labels, 
   for (const Index component : system_.prescribed.components)
     resist(component / 2, component % 2 ? Vector<2>(0.0, 1.0) : Vector<2>(1.0, 0.0));
   for (const field::Roller& roller : system_.rollers) resist(roller.row, roller.along.head<2>());
-  for (const field::SpringTerm* springs : system_.springs)
-    for (std::size_t k = 0; k < springs->rows().size(); ++k) {
-      const SymmetricModes modes =
-          symmetric_modes(Eigen::Map<const Eigen::Matrix2d>(springs->stiffness().data() + 4 * k));
-      for (int mode = 0; mode < 2; ++mode)
-        if (modes.values[mode] > kNoResistance * modes.values[1])
-          resist(springs->rows()[k], modes.vectors.col(mode).head<2>());
-    }
+  std::vector<field::Resisting> supported;
+  for (const field::Support* support : system_.supports) support->resisting(supported);
+  for (const field::Resisting& by : supported) resist(by.row, by.along.head<2>());
   std::vector<Resistance> summands;
   for (const auto& [label, matrix] : resistances) {
     Resistance& summand = summands.emplace_back(Resistance{label, {}});

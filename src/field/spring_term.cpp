@@ -1,6 +1,25 @@
+#include "pdx/base/symmetric.hpp"
 #include "pdx/field/support.hpp"
 
 namespace pdx::field {
+namespace {
+constexpr double kNone = 1e-10; // of the stiffest direction of a row
+}
+
+void SpringTerm::resisting(std::vector<Resisting>& found) const
+{
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    const SymmetricModes modes = symmetric_modes(
+        Eigen::Map<const Eigen::MatrixXd>(stiffness_.data() + k * static_cast<std::size_t>(dim_ * dim_), dim_, dim_));
+    for (Eigen::Index mode = 0; mode < dim_; ++mode) {
+      if (modes.values[mode] <= kNone * modes.values[dim_ - 1]) continue;
+      Vector<3> along = Vector<3>::Zero();
+      along.head(dim_) = modes.vectors.col(mode);
+      found.push_back({rows_[k], along});
+    }
+  }
+}
+
 /// visit(component, K u there) [N]
 template <class Visit> void SpringTerm::for_each_force(std::span<const double> u, Visit&& visit) const
 {

@@ -39,6 +39,7 @@ std::vector<double> System::targets(double to) const
 
 void System::go_to(double to) const
 {
+  for (Support* support : supports) support->go_to_load(to);
   if (!swelling) return;
   swelling->now = swelling->at_load(to);
   for (const auto& term : terms) term->swell(swelling->now);

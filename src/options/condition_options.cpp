@@ -86,7 +86,7 @@ void judge(const BoundaryCondition& c)
   if (!c.holds() && !c.traction && !c.body && !c.force && !c.initial_velocity && !c.springs && !c.pin)
     throw UserError(fmt::format(
         "{0}: nothing is prescribed: give {0}_displacement, {0}_roller, {0}_turn, {0}_spring, {0}_traction, {0}_body "
-        "or {0}_force (in time also {0}_velocity, {0}_initial_velocity or {0}_pin)",
+        "{0}_force or {0}_pin (in time also {0}_velocity or {0}_initial_velocity)",
         stem));
   for (std::size_t a = 0; a < 3; ++a)
     if (c.displacement[a] && c.velocity[a])
@@ -155,7 +155,7 @@ void read_supports(Options& o, const std::string& stem, bool solid, double young
   if (!std::isnan(turn)) c.turn = turn;
   c.centre = read_vector(o, stem + "_centre", "m", "place x,y that it turns about");
   const double radius = o.real(stem + "_pin", std::numeric_limits<double>::quiet_NaN(), "m",
-                               "explicit: radius of a rigid pin with its middle at _at, which pushes what it meets and "
+                               "radius of a rigid pin with its middle at _at, which pushes what it meets and "
                                "moves by _displacement or _velocity",
                                Range::positive());
   const double stiffness =

@@ -135,9 +135,6 @@ void judge_time(const SceneOptions& s)
     throw UserError("-rebalance_threshold deals out the work of explicit steps: give -analysis explicit, or drop it");
   if (s.layout.renew_interval > 0 && s.time.analysis == Analysis::implicit_dynamics)
     throw UserError("-layout_renew_interval: implicit steps keep their layout; give -analysis explicit or static");
-  for (const BoundaryCondition& c : s.conditions)
-    if (c.pin && s.time.analysis != Analysis::explicit_dynamics)
-      throw UserError(fmt::format("-bc_{}_pin pushes in explicit steps only: give -analysis explicit", c.name));
   if (s.time.subcycle > 1 && s.time.analysis == Analysis::implicit_dynamics)
     throw UserError("-ts_subcycle parts explicit steps: give -analysis explicit, or drop it");
   for (const BoundaryCondition& c : s.conditions)
@@ -221,7 +218,7 @@ void judge(const SceneOptions& s)
   judge_regions(s);
   if (!s.time.dynamic() &&
       std::none_of(s.conditions.begin(), s.conditions.end(), [](const auto& c) { return c.supports(); }))
-    throw UserError("the body is not held anywhere: give a -bc_NAME_displacement, _roller or _spring");
+    throw UserError("the body is not held anywhere: give a -bc_NAME_displacement, _roller, _spring or _pin");
 }
 
 SceneOptions read_all(bool describe)

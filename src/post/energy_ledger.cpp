@@ -7,6 +7,15 @@ EnergyLedger::EnergyLedger(const field::System& system)
                            {}}
 {}
 
+EnergyLedger::EnergyLedger(const field::System& system, LedgerState state, double load)
+    : system_(system), at_(std::move(state))
+{
+  for (field::Support* support : system.supports) {
+    support->go_to_load(load);
+    support->note(at_.u);
+  }
+}
+
 std::vector<double> external_force(const field::System& system, double load, std::span<const double> internal_force)
 {
   std::vector<double> force(system.load);
@@ -26,6 +35,10 @@ const EnergyBalance& EnergyLedger::accept(double load, std::span<const double> u
     at_.u[i] = u[i];
   }
   at_.force = std::move(force);
+  for (field::Support* support : system_.supports) {
+    work += support->work_since(u);
+    support->note(u);
+  }
   double sums[] = {work,        mine.elements, mine.bonds,  mine.interface, mine.dissipated,
                    mine.points, mine.supports, mine.contact};
   MPI_Allreduce(MPI_IN_PLACE, sums, 8, MPI_DOUBLE, MPI_SUM, system_.rows.comm);

@@ -40,7 +40,8 @@ void Recorder::take_scene(mesh::Mesh& mesh, const scene::Discretisation& d, doub
   if (!ledger_) return;
   ledger_ = std::make_unique<post::EnergyLedger>(
       d_->system,
-      post::LedgerState{std::move(u), post::external_force(d_->system, load, internal_force), ledger_->balance()});
+      post::LedgerState{std::move(u), post::external_force(d_->system, load, internal_force), ledger_->balance()},
+      load);
 }
 
 void Recorder::open_history()
@@ -309,7 +310,8 @@ void Recorder::take_notes(const RecorderNotes& notes, double load, std::vector<d
   if (const auto contact = n.find("energy_contact"); contact != n.end()) balance.energies.contact = contact->second;
   balance.energies.dissipated = n.at("dissipated");
   ledger_ = std::make_unique<post::EnergyLedger>(
-      d_->system, post::LedgerState{std::move(u), post::external_force(d_->system, load, internal_force), balance});
+      d_->system, post::LedgerState{std::move(u), post::external_force(d_->system, load, internal_force), balance},
+      load);
   const auto series = [&n](const char* name) {
     std::vector<double> values;
     for (auto at = n.find(fmt::format("{}_0", name)); at != n.end();

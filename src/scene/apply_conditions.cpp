@@ -3,6 +3,7 @@
 #include "pdx/base/gather.hpp"
 #include "pdx/fem/loads.hpp"
 #include "pdx/scene/prescriptions.hpp"
+#include "pdx/xfem/edge_parts.hpp"
 #include "pdx/xfem/halves.hpp"
 #include "pdx/xfem/loads.hpp"
 
@@ -162,7 +163,7 @@ private:
     if (!c.on.empty() && !c.layer) {
       for (const mesh::BoundaryEdge& e : side_of(c))
         for (const Index v : e.vertices)
-          if (inside(c, mesh_.point(v))) add_node(v, c, acts, rows);
+          if (inside(c, mesh_.point(v))) add_node(v, c, acts, rows, &e);
       for (const CoveredEdge& e : covered_edges(edges_of(c)))
         for (const Index row : particles_under(e, c.rows)) rows.insert(row);
     } else {
@@ -181,9 +182,10 @@ private:
     return rows;
   }
 
-  /// The halves of a node that lie in the condition's box. A far half can be thrown by itself, but held only with the
-  /// near one, from which its row counts.
-  void add_node(Index v, const options::BoundaryCondition& c, Acts acts, std::set<Index>& rows) const
+  /// The halves of a node that lie in the condition's box; of an edge, those that have some of it. A far half can be
+  /// thrown by itself, but held only with the near one, from which its row counts.
+  void add_node(Index v, const options::BoundaryCondition& c, Acts acts, std::set<Index>& rows,
+                const mesh::BoundaryEdge* of = nullptr) const
   {
     const PetscInt row = d_.node_rows[static_cast<std::size_t>(v)];
     if (v >= mesh_.owned_vertices() || row < 0) return;
@@ -191,9 +193,11 @@ private:
     bool near = !sets.empty() || inside(c, mesh_.point(v));
     for (const xfem::EnrichedSet& set : sets) near = near && inside(c, halves_of(mesh_, *d_.sets, v, set).near);
     if (near) rows.insert(row - d_.system.rows.first);
-    for (const xfem::EnrichedSet& set : sets)
-      if ((near || acts == Acts::thrown) && inside(c, halves_of(mesh_, *d_.sets, v, set).far))
-        rows.insert(set.row - d_.system.rows.first);
+    for (const xfem::EnrichedSet& set : sets) {
+      const std::optional<Vector<2>> far =
+          of ? xfem::far_half_on(mesh_, *d_.sets, *of, v, set) : halves_of(mesh_, *d_.sets, v, set).far;
+      if (far && (near || acts == Acts::thrown) && inside(c, *far)) rows.insert(set.row - d_.system.rows.first);
+    }
   }
 
   /// Of elements by their middle, of particles by their place [m].

@@ -125,7 +125,6 @@ void Prescriptions::spring(const options::BoundaryCondition& c, const std::vecto
     stiffness.insert(stiffness.end(), block.begin(), block.end());
   }
   auto term = std::make_unique<field::SpringTerm>(dim_, std::move(rows), std::move(stiffness));
-  model_.system.springs.push_back(term.get());
   model_.system.supports.push_back(term.get());
   model_.supports.push_back({c.name, term.get()});
   model_.system.terms.push_back(std::move(term));
@@ -133,7 +132,7 @@ void Prescriptions::spring(const options::BoundaryCondition& c, const std::vecto
 
 void Prescriptions::pin(const options::BoundaryCondition& c, std::vector<double> half_sizes)
 {
-  couple::PinMotion motion{*c.at, {}, c.history.value_or(field::History()), {}};
+  couple::PinMotion motion{*c.at, {}, c.history.value_or(field::History()), {}, options_.time.dynamic()};
   for (std::size_t a = 0; a < 2; ++a) {
     motion.moves[a] = c.velocity[a].has_value();
     motion.by[static_cast<Eigen::Index>(a)] = (motion.moves[a] ? c.velocity[a] : c.displacement[a]).value_or(0.0);
@@ -144,7 +143,7 @@ void Prescriptions::pin(const options::BoundaryCondition& c, std::vector<double>
                                         couple::PinRule{c.pin->radius, c.pin->stiffness, thickness}, std::move(motion));
   double deepest = term->deepest();
   MPI_Allreduce(MPI_IN_PLACE, &deepest, 1, MPI_DOUBLE, MPI_MAX, model_.system.rows.comm);
-  if (deepest > 1e-6 * c.pin->radius)
+  if (deepest > couple::PinTerm::kTouching * c.pin->radius)
     throw UserError(fmt::format("-bc_{0}_pin begins {1:.4g} m deep in the body: move {0}_at away by that, or make it "
                                 "smaller",
                                 c.name, deepest));

@@ -11,10 +11,14 @@ bool wants_assembled(const options::SceneOptions& options)
 {
   if (!options.pd.any() || options.points.any() || options.pd.solver == options::PdOperator::assembled) return true;
   for (const options::BoundaryCondition& c : options.conditions) {
-    if (!c.rolls_slanted() && !c.springs) continue; // the coarse level of matrix-free solves knows held components only
+    if (!c.rolls_slanted() && !c.springs && !c.pin)
+      continue; // the coarse level of matrix-free solves knows held components only
     if (options.pd.solver == options::PdOperator::automatic) return true;
     throw UserError(fmt::format("-bc_{}_{} needs a matrix, but -pd_operator is matrix_free: use assembled, or drop it",
-                                c.name, c.springs ? "spring" : "roller"));
+                                c.name,
+                                c.springs ? "spring"
+                                : c.pin   ? "pin"
+                                          : "roller"));
   }
   char type[64] = "";
   PetscBool given = PETSC_FALSE;
@@ -32,7 +36,8 @@ solve::StaticOptions static_options(const options::SceneOptions& options, const 
   solve::StaticOptions steps;
   steps.load_steps = options.load.steps;
   steps.assembled = assembled;
-  steps.full_steps = d.touching != nullptr;
+  const bool pins = std::ranges::any_of(options.conditions, [](const auto& c) { return c.pin.has_value(); });
+  steps.full_steps = d.touching != nullptr || pins;
   steps.condense = static_cast<solve::Condense>(options.load.condense); // of the same words
   steps.max_passes = options.load.passes;
   steps.max_halvings = options.load.halvings;

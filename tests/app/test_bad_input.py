@@ -232,7 +232,7 @@ CASES = [
     plate("a turn about nowhere", r"-bc_left_turn needs a centre: give -bc_left_centre", bc_left_displacement=None, bc_left_turn="1"),
     plate("a centre of nothing", r"-bc_left_centre\b.*-bc_left_turn", bc_left_centre="0,0"),
     plate("an angle in metres", r"-bc_left_turn\b.*rad", bc_left_displacement=None, bc_left_turn="1mm", bc_left_centre="0,0"),
-    plate("a pin in statics", r"-bc_p_pin pushes in explicit steps only", bc_names="left,right,p", bc_p_pin="0.1", bc_p_at="2,2"),
+    plate("a pin with a velocity in statics", r"-bc_p_velocity acts in time", bc_names="left,right,p", bc_p_pin="0.1", bc_p_at="2,2", bc_p_velocity="1,0"),
     points("a pin nowhere", r"-bc_p_pin needs a place: give -bc_p_at", bc_names="left,p", bc_p_pin="0.1"),
     points("a pin in the body", r"-bc_p_pin begins 0\.1 m deep in the body", bc_names="left,p", bc_p_pin="0.1", bc_p_at="0.4,0.2"),
     points("a pin that holds", r"-bc_p_pin pushes, and moves by", bc_names="left,p", bc_p_pin="0.1", bc_p_at="0,3", bc_p_body="0,1"),

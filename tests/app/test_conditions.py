@@ -258,6 +258,50 @@ class Pins(program.ProgramTest):
                 self.assertAlmostEqual(-a[late, 0].mean(), a[late, 1].mean(), delta=0.05 * a[late, 1].mean())
                 self.assertLess(one.summary["results"]["energy_drift_ratio"], 2e-2)
 
+    # A beam of 1.2 x 0.1 m on two pins 1 m apart, a third presses on its middle.
+    BEND = {
+        "-case": "bend", "-mesh_lower": "-0.6,0", "-mesh_upper": "0.6,0.1", "-mesh_cells": "48,4", "-material_young": f"{E}",
+        "-bc_names": "mid", "-bc_mid_box": "-1e-3,-1e-3,1e-3,1e-3", "-bc_mid_displacement": "0,free", "-output_history": "", "-quiet": ""}  # fmt: skip
+    PINNED = BEND | {
+        "-bc_names": "mid,left,right,top", "-bc_left_pin": "0.05", "-bc_left_at": "-0.5,-0.05", "-bc_right_pin": "0.05",
+        "-bc_right_at": "0.5,-0.05", "-bc_top_pin": "0.04", "-bc_top_at": "0,0.14", "-bc_top_displacement": "0,-1e-3"}  # fmt: skip
+
+    def test_a_beam_on_pins_bends_as_under_point_forces(self):
+        force = 1e4
+        points = self.BEND | {
+            "-bc_names": "mid,left,right,push", "-bc_left_box": "-0.501,-1e-3,-0.499,1e-3", "-bc_left_displacement": "free,0",
+            "-bc_right_box": "0.499,-1e-3,0.501,1e-3", "-bc_right_displacement": "free,0", "-bc_push_at": "0,0.1",
+            "-bc_push_force": f"0,{-force}", "-probe_names": "p", "-probe_p_at": "0,0.1", "-probe_p_field": "displacement"}  # fmt: skip
+        sunk = -pdxtools.read_curve(self.solve(points).directory / "probe_p.csv")["displacement_y"][-1] / force
+        for body in ({}, {"-kinematics": "finite"}, {"-analysis": "implicit", "-material_density": "1", "-ts_dt": "1", "-ts_max_time": "4",
+                                                     "-ts_alpha_radius": "0", "-bc_top_history": "ramp", "-bc_top_history_width": "2"}):  # fmt: skip
+            run = self.solve(self.PINNED | body, 2 if body else 1)
+            last = run.history()[-1]
+            compliance = sunk + (1.0 + 0.5) / E  # of the beam, of the layers at the pins
+            self.assertAlmostEqual(-last["reaction_top_y"] * compliance / 1e-3, 1.0, delta=2e-3)
+            self.assertAlmostEqual(last["reaction_left_y"] / last["reaction_right_y"], 1.0, delta=1e-6)
+            self.assertAlmostEqual(2 * last["reaction_left_y"] / -last["reaction_top_y"], 1.0, delta=1e-6)
+            stored = last["energy_elements"] + last["energy_supports"]
+            self.assertAlmostEqual(stored / last["work"], 1.0, delta=3e-3)
+            self.assertAlmostEqual(last["work"] / (0.5e-3 * -last["reaction_top_y"]), 1.0, delta=3e-3)
+
+    def test_pins_at_rest_meet_particles_on_any_ranks_and_layouts(self):
+        options = self.PINNED | {
+            "-mesh_cells": "48,4", "-pd_patches": "-0.1,0,0.1,0.1", "-pd_spacing": "0.0125", "-pd_horizon_ratio": "3",
+            "-bc_mid_box": "-0.101,0.04,-0.099,0.06", "-bc_top_at": "0.00625,0.14", "-load_steps": "4", "-output_fields": ""}  # fmt: skip
+        one, two = program.in_pairs(lambda ranks: self.solve(options, ranks), (1, 2))
+        for run in (two, self.solve(options | {"-layout_renew_interval": "1"})):
+            self.assert_same_displacement(one, run, 1e-8)
+            for name in ("work", "energy_supports", "reaction_top_y", "reaction_left_y"):
+                a, b = one.history()[-1][name], run.history()[-1][name]
+                self.assertAlmostEqual(a / b, 1.0, delta=1e-7, msg=name)
+
+    def test_pins_that_touch_nothing_hold_nothing(self):
+        run = self.launch(self.PINNED | {"-bc_right_at": "0.5,-0.06", "-bc_left_at": "-0.5,-0.06"})
+        self.assertEqual(run.status, 1, run.err)
+        self.assertIn("can", run.err)
+        self.assertIn("rotate", run.err)
+
 
 class Restarts(program.ProgramTest):
     def test_supports_go_on_from_a_checkpoint(self):

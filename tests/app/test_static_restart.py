@@ -5,6 +5,7 @@ import subprocess
 import time
 
 import program
+import test_conditions
 import test_points
 import torn
 from torn import checkpoint
@@ -98,7 +99,8 @@ class StaticRestart(program.ProgramTest):
                 self.assertEqual([row["step"] for row in rest.history()], list(range(1, loads + 1)))
 
     def test_other_ranks_go_on(self):
-        for name, scene in (("elements", program.SMALL_PATCH), ("points", test_points.PATCHED)):
+        pins = test_conditions.Pins.PINNED
+        for name, scene in (("elements", program.SMALL_PATCH), ("points", test_points.PATCHED), ("pins", pins)):
             with self.subTest(around_particles=name):
                 options = scene | {"-load_steps": "4", "-checkpoint_interval": "2", "-output_history": "", "-case": name}
                 whole, half = self.watched(options, 2)

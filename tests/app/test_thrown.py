@@ -98,6 +98,27 @@ class Thrown(program.ProgramTest):
         at_rest = right["displacement"][right.points[:, 0] > 0.053]
         self.assertLess(abs(at_rest).max(), 1e-18)
 
+    def test_a_crack_beside_a_held_side_parts_the_body_from_it(self):
+        # What lies beyond the crack moves as its own side does: nothing is strained. As one body it holds some 4e4 J.
+        across = {"-crack_c_points": "0,0.007,0.1,0.003"}
+        joined = {"-crack_names": "c,d", "-crack_c_points": "0,0.007,0.1,0.007", "-crack_d_points": "0.053,0.007,0.053,0"}
+        beside_right = {"-crack_c_points": "0.093,-1,0.098,1"}
+        for sides, crack in ((("bottom", "top"), across), (("top", "bottom"), across), (("bottom", "top"), joined),
+                             (("right", "left"), beside_right)):  # fmt: skip
+            for ranks in (1, 2):
+                with self.subTest(sides=sides, crack=crack, ranks=ranks):
+                    held = {"-analysis": "static", "-ts_max_time": None, "-bc_names": "a,b", "-bc_a_on": sides[0],
+                            "-bc_a_displacement": "0,0", "-bc_b_on": sides[1], "-bc_b_displacement": "2e-5,1e-4"}  # fmt: skip
+                    run = self.solve(CUT | crack | held, ranks)
+                    self.assertLess(abs(run.summary["results"]["strain_energy"]), 1e-8)
+
+    def test_a_side_that_moves_leaves_what_a_crack_parts_from_it_at_rest(self):
+        moved = {"-crack_c_points": "0,0.007,0.1,0.003", "-bc_names": "h", "-bc_h_on": "bottom", "-bc_h_velocity": "0,10"}
+        for ranks in (1, 2):
+            run = self.solve(CUT | moved, ranks)
+            above = program.pdxtools.read_step(run.directory)[1]["mesh"]
+            self.assertLess(abs(above["displacement"][above.points[:, 1] > 0.008]).max(), 1e-18)
+
 
 if __name__ == "__main__":
     program.main()

@@ -47,7 +47,8 @@ private:
   std::vector<WatchRun> runs_; // of all cells, in their order
 };
 
-/// Is there a cell that could become particles, if it asked? Collective. @param lattices as for `conversion`
+/// Is there a cell that could become particles, if it asked, or none left? Collective. @param lattices as for
+/// `conversion`
 bool can_convert(const SceneView& scene, std::span<const geom::LatticeAnchor> lattices);
 
 /// The cells that are to become particles: those that ask, and what lies as near to them in the same body as the margin

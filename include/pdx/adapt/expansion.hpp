@@ -25,7 +25,7 @@ std::vector<LayoutChange::Cover> expansion(const SceneView& scene, std::span<con
 /// leaves its patch: the first by x and y, nothing where there is none. Alike on every rank. Collective.
 std::optional<Vector<2>> broken_at_border(const SceneView& scene, std::span<const Reaches> reaches);
 
-/// Can any element become particles? Collective.
+/// Can any element become particles, or is none left? Collective.
 bool can_expand(const SceneView& scene);
 
 /// The change that gives the cells with their middle in a box the other use: elements that the first patch's lattice

@@ -32,6 +32,7 @@ class LooseParts {
 public:
   /// All must outlive this; the system is bound. Collective.
   LooseParts(const JoinedModels& models, const field::System& system);
+  ~LooseParts();
 
   /// The largest part whose prescribed components leave a rigid motion free. What is joined to nothing is passed over,
   /// as are unloaded parts of at most `debris` particles. Collective.
@@ -47,6 +48,7 @@ private:
 
   JoinedModels models_;
   const field::System& system_;
-  std::vector<ForeignEnds> foreign_; // per patch
+  std::vector<ForeignEnds> foreign_;          // per patch
+  mutable std::unique_ptr<Ties> by_elements_; // once somebody asked: they stay
 };
 } // namespace pdx::couple

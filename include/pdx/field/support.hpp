@@ -2,6 +2,12 @@
 #include "pdx/field/term.hpp"
 
 namespace pdx::field {
+/// An owned row that is kept from moving along a direction (a unit vector).
+struct Resisting {
+  Index row;
+  Vector<3> along;
+};
+
 /// What pushes rows from outside by a stiffness of its own: springs to the ground, a pin. Its energy is its own.
 class Support : public Term {
 public:
@@ -9,6 +15,10 @@ public:
   void bind(const RowHalo&) override {}
   /// The next forces are those of a time; before the first call, of 0 [s].
   virtual void go_to_time(double time) { (void)time; }
+  /// In statics: of a load factor.
+  virtual void go_to_load(double load) { (void)load; }
+  /// What it resists in the state of the last tangent; before the first, at rest.
+  virtual void resisting(std::vector<Resisting>& found) const = 0;
   /// What moves by itself as time goes does work: `note` keeps the state between two steps, `work_since` is this rank's
   /// part of what was done from there to a later one [J].
   ///@{
@@ -31,8 +41,7 @@ public:
       : dim_(dim), rows_(std::move(rows)), stiffness_(std::move(stiffness))
   {}
 
-  std::span<const Index> rows() const { return rows_; }
-  std::span<const double> stiffness() const { return stiffness_; }
+  void resisting(std::vector<Resisting>& found) const override;
   Vector<3> push(std::span<const double> u) const override;
   void add_residual(std::span<const double> u, std::span<double> r) const override;
   double energy(std::span<const double> u) const override;

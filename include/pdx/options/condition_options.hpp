@@ -48,7 +48,7 @@ struct BoundaryCondition {
   /// Is it held along a direction that is none of the axes?
   bool rolls_slanted() const { return roller && roller->cwiseAbs().maxCoeff() < 1.0 - 1e-15; }
   /// Does it keep the body from moving off?
-  bool supports() const { return holds() || springs; }
+  bool supports() const { return holds() || springs || pin; }
   /// Does it hold component a of what it chooses?
   bool holds(std::size_t a) const { return holds() && (displacement[a] || velocity[a] || turn || roller); }
 };

@@ -41,11 +41,12 @@ class EnergyLedger {
 public:
   /// The system, its loads and prescribed components complete, must outlive the ledger.
   explicit EnergyLedger(const field::System& system);
-  /// Goes on from another, perhaps of another layout.
-  EnergyLedger(const field::System& system, LedgerState state) : system_(system), at_(std::move(state)) {}
+  /// Goes on from another, perhaps of another layout, accepted at a load; supports are left there.
+  EnergyLedger(const field::System& system, LedgerState state, double load);
 
   /// Books an accepted equilibrium. External forces are the load, and the internal force where a displacement is
-  /// prescribed (reaction and load together); their work is added by the trapezoidal rule. Collective.
+  /// prescribed (reaction and load together); their work is added by the trapezoidal rule, as is that of supports
+  /// that move. Collective.
   /// @param load load factor   @param u, internal_force of the owned rows, 2-D or 3-D as the system [m, N]
   /// @param mine this rank's energies, totals at this step
   const EnergyBalance& accept(double load, std::span<const double> u, std::span<const double> internal_force,
