@@ -55,8 +55,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME pdxsolve)
-set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION_SUMMARY}
-Cracks cut finite elements, open into patches of particles and grow there bond
+set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "Cracks cut finite elements, open into patches of particles and grow there bond
 by bond; bodies of material points fly and collide. Static and in time, on any
 number of ranks, on PETSc. With cases, a tutorial, and commands that draw runs
 and make reports of them.")

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The address and undefined-behaviour sanitizers over unit and parallel tests, smoke cases and the fuzzer, on 1 and 2 ranks.
-# usage: sanitize.sh [BUILD_DIRECTORY]     default: build/asan. From nothing it takes some 6 minutes of two cores, nearly
-# all of it compilation: a job for the night, or for a build directory that is kept.
+# usage: sanitize.sh [BUILD_DIRECTORY]     default: build/asan, bundled when it is new. From nothing it takes an hour of one core and more,
+# nearly all of it compilation: a job for the night, or for a build directory that is kept.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=${1:-build/asan}
@@ -12,7 +12,8 @@ python=$(scripts/find_python.sh h5py numpy)
 log=$(mktemp)
 scratch=$(mktemp -d)
 trap 'rm -rf "$log" "$scratch"' EXIT
-if ! cmake --preset asan -B "$build" >"$log" 2>&1; then
+[ -e "$build/CMakeCache.txt" ] || PDX_BUNDLE=${PDX_BUNDLE:-ON}
+if ! cmake --preset asan -B "$build" ${PDX_BUNDLE:+-DPDX_BUNDLE="$PDX_BUNDLE"} >"$log" 2>&1; then
   cat "$log" >&2
   exit 1
 fi

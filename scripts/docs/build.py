@@ -88,6 +88,14 @@ def cases_page(pages):
     return "\n".join(lines) + "\n"
 
 
+def scenes_page():
+    """What the README says of scenes, which is of steps in time too."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    text = readme[readme.index("\n## Scenes") : readme.index("\n## On a cluster")].replace("\n## Scenes", "\n## Options by what they say")
+    text = re.sub(r"\]\(cases/(\w+)/README\.md", r"](cases/\1.md", text)
+    return "# What a scene can say\nEach of these options has a line in the [reference](options.md), with units, defaults and allowed values.\n" + text
+
+
 def extending_page():
     text = (HERE / "pages" / "extending.md").read_text(encoding="utf-8")
     for mark, file in (("EXAMPLE_CMAKE", "CMakeLists.txt"), ("EXAMPLE_SOURCE", "ground.cpp")):
@@ -120,6 +128,7 @@ def generate(executable, out):
     (out / "options.md").replace(pages / "options.md")
     (pages / "messages.md").write_text(messages_page(), encoding="utf-8")
     (pages / "cases.md").write_text(cases_page(pages), encoding="utf-8")
+    (pages / "scenes.md").write_text(scenes_page(), encoding="utf-8")
     (pages / "extending.md").write_text(extending_page(), encoding="utf-8")
     return pages
 

@@ -1,4 +1,9 @@
-# For Spack: spack repo create R, this file as R/packages/pdxsolve/package.py, then spack install pdxsolve.
+# For Spack: spack repo create R; this file is packages/pdxsolve/package.py of it (Spack 1 names the place), then spack repo add R
+# and spack install pdxsolve. Versions are bounded by what the program was built with.
+try:
+    from spack_repo.builtin.build_systems.cmake import CMakePackage  # Spack 1 and newer
+except ImportError:
+    pass  # before, it comes with the next line
 from spack.package import *
 
 
@@ -14,12 +19,12 @@ class Pdxsolve(CMakePackage):
     depends_on("cmake@3.22:", type="build")
     depends_on("pkgconfig", type="build")
     depends_on("mpi")
-    depends_on("petsc@3.18: +mpi+hypre+metis+hdf5 ~complex ~int64")
-    depends_on("hdf5@1.10: +mpi")
+    depends_on("petsc@3.18:3.22 +mpi+hypre+metis+hdf5+mumps+suite-sparse ~complex ~int64")
+    depends_on("hdf5@1.10:1.14 +mpi")
     depends_on("metis@5:")
-    depends_on("eigen@3.4:")
-    depends_on("fmt@9:")
-    depends_on("nlohmann-json@3.11:")
+    depends_on("eigen@3.4")
+    depends_on("fmt@9:10")
+    depends_on("nlohmann-json@3.11")
     depends_on("xxhash@0.8:")
     depends_on("python@3.11:", type=("build", "run"))
     depends_on("py-numpy", type="run")

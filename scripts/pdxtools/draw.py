@@ -21,7 +21,7 @@ STYLE = {"font.family": "STIXGeneral", "mathtext.fontset": "stix", "font.size": 
 DISPLACEMENT_COLOURS, ERROR_COLOURS, ENERGY_COLOURS, DAMAGE_COLOURS = "viridis", "magma_r", "cividis", "YlOrRd"
 RANK_COLOURS = ["#4477aa", "#ee6677", "#ccbb44", "#228833", "#66ccee", "#aa3377", "#bbbbbb", "#997700"]
 PANEL = 2.9  # [inch]
-PLAIN_COLOUR, CUT_COLOUR, PARTICLE_COLOUR = "white", "#f2d13c", "#2f6fb3"
+PLAIN_COLOUR, CUT_COLOUR, PARTICLE_COLOUR, POINT_COLOUR = "white", "#f2d13c", "#2f6fb3", "0.88"
 PLAIN, CUT, COVERED = 0, 1, 2  # values of the mesh's field "use"
 LEAST_GAP = 0.8  # [pt] particles nearer to each other on paper are drawn without a dot
 COMMON_SCALE = 3.0  # runs share a colour scale if their maxima differ by less than this factor
@@ -57,11 +57,12 @@ class Run:
         self.time, blocks = read_step(directory, number)
         self.mesh, self.cut = blocks.get("mesh", NoElements()), blocks.get("cut_cells")
         self.particles = next((blocks[name] for name in ("particles", "points") if name in blocks), None)
+        self.points = blocks.get("points") if "particles" in blocks else None  # beside particles
         if not self.particles and not len(self.mesh.cells):
             raise NotThere(f"{directory} has neither elements nor particles")
         use = self.mesh["use"] if "use" in self.mesh else np.zeros(len(self.mesh.cells))
         self.plain, self.covered = self.mesh.cells[use == PLAIN], self.mesh.cells[use == COVERED]
-        bodies = [block.points[:, :2] for block in (self.mesh, self.particles) if block]
+        bodies = [block.points[:, :2] for block in (self.mesh, self.particles, self.points) if block]
         self.extent = np.ptp(np.vstack(bodies), axis=0).max()
         self.metre, self.unit = (1e3, "mm") if self.extent < 0.5 else (1.0, "m")
 
@@ -70,20 +71,22 @@ class Run:
         if name != "displacement":
             return np.nanmax(np.abs(self.mesh[name]))
         parts = [magnitude(self.mesh)[np.unique(self.plain)]]
-        if self.particles:
-            parts.append(magnitude(self.particles))
+        parts += [magnitude(block) for block in (self.particles, self.points) if block]
         return max((p.max() for p in parts if p.size), default=0.0)
 
     def spacing(self):
         """Distance of neighbouring particles [m], 0 without particles."""
-        if not self.particles or len(self.particles.points) < 2:
+        return self.spacing_of(self.particles)
+
+    def spacing_of(self, block):
+        if not block or len(block.points) < 2:
             return 0.0
-        gaps = np.diff(np.unique(np.round(self.particles.points[:, 0] / self.extent, 9)))
+        gaps = np.diff(np.unique(np.round(block.points[:, 0] / self.extent, 9)))
         if not gaps.size:
             return 0.0
-        area = np.prod(np.ptp(self.particles.points[:, :2], axis=0))
-        layers = len(np.unique(np.round(self.particles.points[:, 2] / self.extent, 9)))
-        even = np.sqrt(area * layers / len(self.particles.points))  # where they lie anywhere, a gap may be very small
+        area = np.prod(np.ptp(block.points[:, :2], axis=0))
+        layers = len(np.unique(np.round(block.points[:, 2] / self.extent, 9)))
+        even = np.sqrt(area * layers / len(block.points))  # where they lie anywhere, a gap may be very small
         return max(gaps.min() * self.extent, 0.5 * even)
 
     def label(self):
@@ -123,7 +126,7 @@ def moved(run, block, scale):
 def extent_of(run, scale):
     """All that is drawn of a run, for the limits of axes."""
     parts = [moved(run, run.mesh, scale)[np.unique(run.plain)]]
-    parts += [moved(run, block, scale) for block in (run.particles, run.cut) if block]
+    parts += [moved(run, block, scale) for block in (run.particles, run.points, run.cut) if block]
     return np.vstack(parts)
 
 
@@ -154,7 +157,7 @@ def prepare(axes, run, title):
 
 
 def colour_bar(axes, mappable, label):
-    bar = axes.figure.colorbar(mappable, ax=axes, fraction=0.046, pad=0.03, label=label)
+    bar = axes.figure.colorbar(mappable, cax=axes.inset_axes([1.03, 0.0, 0.04, 1.0]), label=label)  # as high as the body
     bar.outline.set_linewidth(0.5)
     bar.ax.tick_params(width=0.5)
     if isinstance(mappable.norm, LogNorm):
@@ -167,12 +170,23 @@ def draw_edges(axes, x, cells, **look):
     axes.add_collection(LineCollection(x[pairs], **{"colors": "0.25", "linewidths": 0.12, "alpha": 0.4, **look}))
 
 
+def corners_around(x, half):
+    return x[:, None, :] + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+
+
+def draw_points(axes, run, scale, values=None, **look):
+    """Material points beside particles, as squares: pale, or each by a value."""
+    if not run.points:
+        return
+    corners = corners_around(moved(run, run.points, scale), 0.5 * run.spacing_of(run.points) * run.metre)
+    colours = {"facecolors": POINT_COLOUR} if values is None else {"array": values}
+    axes.add_collection(PolyCollection(corners, linewidths=0, antialiaseds=False, snap=False, rasterized=True, **colours, **look))
+
+
 def draw_particles(axes, run, x, values, **look):
     """A square of its own colour per particle; neighbours overlap a little, so magnified strains open no gaps."""
-    half = 0.6 * run.spacing() * run.metre
-    corners = x[:, None, :] + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-    squares = PolyCollection(corners, array=values, linewidths=0, antialiaseds=False, snap=False, rasterized=True,
-                             **look)
+    squares = PolyCollection(corners_around(x, 0.6 * run.spacing() * run.metre), array=values, linewidths=0, antialiaseds=False, snap=False,
+                             rasterized=True, **look)  # fmt: skip
     axes.add_collection(squares)
     return squares
 
@@ -207,6 +221,8 @@ def draw_displacement(axes, run, scale, norm):
         axes.tripcolor(x[:, 0], x[:, 1], triangles(run.cut.cells), factor * magnitude(run.cut), shading="gouraud",
                        rasterized=True, **look)
         draw_edges(axes, x, run.cut.cells)
+    if run.points:
+        draw_points(axes, run, scale, factor * magnitude(run.points), **look)
     if run.particles:
         x = moved(run, run.particles, scale)
         draw_particles(axes, run, x, factor * magnitude(run.particles), **look)
@@ -271,6 +287,7 @@ def crack(runs, options):
         draw_cells(axes, x, run.plain, PLAIN_COLOUR)
         if run.cut:
             draw_cells(axes, moved(run, run.cut, scale), run.cut.cells, CUT_COLOUR)
+        draw_points(axes, run, scale)
         if run.particles:
             x = moved(run, run.particles, scale)
             gap = 72.0 * PANEL * run.spacing() / run.extent  # between particles, on paper [pt]
@@ -290,6 +307,7 @@ def damage(runs, options):
         set_limits(axes, extent_of(run, scale))
         if len(run.plain):
             draw_edges(axes, moved(run, run.mesh, scale), run.plain, colors="0.6", linewidths=0.3)
+        draw_points(axes, run, scale)
         order = np.argsort(run.particles["damage"])  # of a solid the most damaged layer is seen
         squares = draw_particles(axes, run, moved(run, run.particles, scale)[order], run.particles["damage"][order],
                                  cmap=DAMAGE_COLOURS, norm=Normalize(0.0, largest))
@@ -308,7 +326,8 @@ def energy(runs, _options):
     lowest, highest = (factor * pick for pick in (min(v.min() for v in values), max(v.max() for v in values)))
     for axes, run, density in zip(grid[0], runs, values):
         x = moved(run, run.particles, 0.0)
-        set_limits(axes, x)
+        set_limits(axes, extent_of(run, 0.0))
+        draw_points(axes, run, 0.0)
         if len(run.plain):
             draw_edges(axes, moved(run, run.mesh, 0.0), run.plain, colors="0.6", linewidths=0.3)
         squares = draw_particles(axes, run, x, factor * density, cmap=ENERGY_COLOURS, norm=Normalize(lowest, highest))
@@ -327,7 +346,7 @@ def energy_unit(largest):
 def ranks(runs, _options):
     figure, grid = panels(1, len(runs))
     for axes, run in zip(grid[0], runs):
-        count = int(max(block["rank"].max() for block in (run.mesh, run.particles) if block and len(block["rank"]))) + 1
+        count = int(max(block["rank"].max() for block in (run.mesh, run.particles, run.points) if block and len(block["rank"]))) + 1
         colours = ListedColormap([RANK_COLOURS[i % len(RANK_COLOURS)] for i in range(count)])
         look = {"cmap": colours, "norm": BoundaryNorm(np.arange(count + 1) - 0.5, count)}
         x = moved(run, run.mesh, 0.0)
@@ -336,6 +355,8 @@ def ranks(runs, _options):
         cells = PolyCollection(x[run.plain], array=run.mesh["rank"][plain], edgecolors="white", linewidths=0.1,
                                alpha=0.6, rasterized=True, **look)
         axes.add_collection(cells)
+        if run.points:
+            draw_points(axes, run, 0.0, run.points["rank"], **look)
         if run.particles:
             draw_particles(axes, run, moved(run, run.particles, 0.0), run.particles["rank"], **look)
         prepare(axes, run, f"{count} rank{'s' if count > 1 else ''}, elements pale, particles full")

@@ -16,8 +16,32 @@
 namespace pdx::change {
 namespace {
 constexpr int kLooksUntilQuiet = 8; // at what is quiet, in the steps after which it is handed back
+constexpr double kAbove = 1.001;    // strength: at it bonds may as well break, rounding apart
 constexpr double kConnected = 4.0 / 3.0, kDisconnected = 3.0; // horizons, with the trigger connection alone
 
+/// At which bonds of what becomes particles break [-].
+template <int Dim> double critical_stretch_of(const options::SceneOptions& options)
+{
+  const double dx = options.pd.spacing[0];
+  const pd::Stencil<Dim> stencil =
+      pd::make_stencil<Dim>({dx, options.elastic.thickness, options.pd.horizon_ratio * dx, options.pd.micromodulus,
+                             options.pd.calibration, options.elastic});
+  return scene::critical_stretch<Dim>(options, stencil);
+}
+
+/// What becomes particles above the strength of bonds breaks as soon as it does.
+template <int Dim> std::string late_stress(const options::SceneOptions& options)
+{
+  const options::Triggers& triggers = options.layout.triggers;
+  if (!triggers.stress || triggers.stretch || triggers.connection || triggers.damage) return "";
+  const double critical = critical_stretch_of<Dim>(options);
+  const double strength = options.elastic.principal_stress(critical, 0.0);
+  if (triggers.largest_stress < kAbove * strength) return "";
+  return fmt::format(
+      "-adapt_stress is {:.4g} Pa, but bonds {:g} m apart break at {:.4g} Pa (a stretch of {:.4g}): what becomes "
+      "particles breaks at once; give less, or -adapt_trigger stretch",
+      triggers.largest_stress, options.pd.spacing[0], strength, critical);
+}
 } // namespace
 
 adapt::Reaches PatchMover::reaches(const couple::Surroundings& around, double horizon) const
@@ -45,7 +69,8 @@ std::string PatchMover::begin(const adapt::SceneView& scene, const scene::PatchP
   if (options_.converts() && !adapt::can_convert(scene, scene::body_lattices(options_)))
     return "-adapt_trigger: no cell can become particles: their sides must be whole numbers of -pd_spacing, and points "
            "full, of -material_young, _poisson and _density";
-  if (adapt::can_expand(scene) || options_.converts()) return "";
+  if (options_.converts()) return late_stress<2>(options_);
+  if (adapt::can_expand(scene)) return "";
   return "-adapt: the sides of no element are whole numbers of -pd_spacing on its lines, so no patch will grow";
 }
 
@@ -86,11 +111,7 @@ std::string PatchMover::border(const adapt::SceneView& scene, const scene::Patch
 template <int Dim> adapt::ConversionRule PatchMover::conversion_rule() const
 {
   const options::Triggers& triggers = options_.layout.triggers;
-  const double dx = options_.pd.spacing[0];
-  const pd::Stencil<Dim> stencil =
-      pd::make_stencil<Dim>({dx, options_.elastic.thickness, options_.pd.horizon_ratio * dx, options_.pd.micromodulus,
-                             options_.pd.calibration, options_.elastic});
-  const double critical = scene::critical_stretch<Dim>(options_, stencil);
+  const double critical = critical_stretch_of<Dim>(options_);
   adapt::ConversionRule rule;
   rule.margin = triggers.margin;
   if (triggers.stress) rule.stress = triggers.largest_stress;
@@ -156,7 +177,7 @@ std::string PatchMover::begin(const adapt::SpaceView& scene) const
 {
   bool any = false;
   for (const mpm::GridCell<3>& cell : scene.cells) any = any || scene.may_convert(cell);
-  if (any_rank(scene.halo.rows().comm, any)) return "";
+  if (any_rank(scene.halo.rows().comm, any)) return late_stress<3>(options_);
   return "-adapt: no cell of points can become particles: they must be full of points, -pd_spacing apart, of "
          "-material_young, _poisson and _density, and not held at a side";
 }

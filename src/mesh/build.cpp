@@ -264,7 +264,8 @@ MeshOptions MeshOptions::read(bool needed)
   if (!needed && lower.empty() && upper.empty()) return o;
   if (lower.empty() || upper.empty())
     throw UserError("there is no mesh: give -mesh_file FILE, or a box by -mesh_lower x,y -mesh_upper x,y "
-                    "-mesh_cells nx,ny (pdxsolve -help lists all options)");
+                    "-mesh_cells nx,ny, or a body without one by -mpm_bodies or -pd_cloud (pdxsolve -help lists all "
+                    "options)");
   o.box = {{lower[0], lower[1]}, {upper[0], upper[1]}};
   require_lower_below_upper(o.box);
   return o;

@@ -50,6 +50,16 @@ std::optional<PointShape::Ball> ball_of(const std::string& name, const std::vect
   return ball;
 }
 
+void read_holes(Options& o, const std::string& stem, PointShape& shape)
+{
+  const std::string name = stem + "_hole";
+  const std::vector<double> v = numbers(
+      o, name, 0, "round holes x,y,radius[,x,y,radius]: cells of the grid with their middle in one are left out");
+  if (v.size() % 3)
+    throw UserError(fmt::format("{} has {} numbers: must be x,y,radius of one hole or more", name, v.size()));
+  for (std::size_t k = 0; k < v.size(); k += 3) shape.holes.push_back(*ball_of(name, {v[k], v[k + 1], v[k + 2]}));
+}
+
 void read_polygon(Options& o, const std::string& stem, PointShape& shape)
 {
   const std::vector<double> v =
@@ -79,9 +89,7 @@ PointShape read_shape(Options& o, const std::string& stem, bool solid, bool desc
   PointShape shape;
   read_box(o, stem, solid, shape);
   shape.disc = ball_of(stem + "_disc", numbers(o, stem + "_disc", 3, "a disc: x,y,radius (solid: a cylinder along z)"));
-  shape.hole = ball_of(stem + "_hole", numbers(o, stem + "_hole", 3,
-                                               "a round hole x,y,radius: cells of the grid with their middle in it are "
-                                               "left out"));
+  read_holes(o, stem, shape);
   shape.sphere = ball_of(stem + "_sphere", numbers(o, stem + "_sphere", 4, "solid: a sphere: x,y,z,radius"));
   read_polygon(o, stem, shape);
   read_region(o, stem, describe, shape);
@@ -140,7 +148,7 @@ PointBodyOptions read_body(Options& o, const std::string& name, const law::Elast
   body.spacing =
       o.real(stem + "_spacing", spacing, "m", "spacing of its points; usually -mpm_spacing", Range::positive());
   body.shape.move(read_motion(o, stem + "_translation", solid, "m",
-                              "dx,dy (solid: ,dz) from where its shape, hole and file say that it lies to its place"));
+                              "dx,dy (solid: ,dz) from where its shape, holes and file say that it lies to its place"));
   body.velocity = read_motion(o, stem + "_velocity", solid, "m/s", "velocity at the start vx,vy (solid: ,vz)");
   body.spin = read_spin(o, stem + "_spin", solid);
   if (describe) return body;
@@ -177,8 +185,9 @@ void judge_condition(const SceneOptions& s, const BoundaryCondition& c)
 void PointShape::move(const Vector<3>& by)
 {
   if (box) box = geom::Box<3>{box->lower + by, box->upper + by};
-  for (std::optional<Ball>* ball : {&disc, &sphere, &hole})
+  for (std::optional<Ball>* ball : {&disc, &sphere})
     if (*ball) (*ball)->centre += by;
+  for (Ball& hole : holes) hole.centre += by;
   for (auto& edge : border)
     for (Vector<2>& x : edge) x += by.head<2>();
   z_lower += by[2];
@@ -192,7 +201,7 @@ PointShape PointShape::inside(const geom::Frame& frame) const
   if (box) moved.box = geom::Box<3>{frame.inside(box->lower), frame.inside(box->upper)};
   if (disc) moved.disc->centre = frame.inside(disc->centre);
   if (sphere) moved.sphere->centre = frame.inside(sphere->centre);
-  if (hole) moved.hole->centre = frame.inside(hole->centre);
+  for (Ball& hole : moved.holes) hole.centre = frame.inside(hole.centre);
   for (auto& edge : moved.border)
     for (Vector<2>& x : edge) x = frame.inside(x);
   if (z_lower < z_upper) {

@@ -91,7 +91,7 @@ void SectionWatch::look(double time, std::int64_t bonds_broken)
     if (!next.same_body(column) || next.number != column.number + 1 || !parted(column) || !parted(next)) continue;
     const double start = std::max(begun(column), begun(next));
     if (found.empty() || start < time_) {
-      found = {&column};
+      found.assign(1, &column);
       time_ = start;
     } else if (start == time_ && found[0]->same_body(column))
       found.push_back(&column);

@@ -23,6 +23,24 @@ double acoustic_step(const options::SceneOptions& options)
   }
   return shortest;
 }
+
+/// What broke, and where cracks have come to, as the log of a run in time ends.
+std::string broken_line(const io::Summary& summary)
+{
+  constexpr std::size_t most_tips = 3;
+  const auto& results = summary.results;
+  std::string line =
+      fmt::format("{} bonds broken, {:.4g} J", summary.bonds_broken, results.value("fracture_energy", 0.0));
+  if (const auto length = results.find("crack_length"); length != results.end())
+    line += fmt::format("; cracks {:.4g} m long", length->get<double>());
+  const auto tips = results.find("crack_tips");
+  if (tips == results.end()) return line;
+  for (std::size_t k = 0; k < tips->size() && k < most_tips; ++k)
+    line += fmt::format("{} ({:.6g}, {:.6g})", k ? " and" : ", tips at", tips->at(k).at(0).get<double>(),
+                        tips->at(k).at(1).get<double>());
+  if (tips->size() > most_tips) line += fmt::format(" and {} more", tips->size() - most_tips);
+  return line;
+}
 } // namespace
 
 void TimeRecorder::built(const scene::Standing& scene)
@@ -364,6 +382,7 @@ void TimeRecorder::print_phases(const solve::TimeDriver& driver)
   files_.progress.phases(phases);
   if (files_.layout_seconds > 0.0)
     files_.progress.line(fmt::format("changes of layout: {:.3f} s of the steps", files_.layout_seconds));
+  if (d_->breaker) files_.progress.line(broken_line(files_.summary));
   files_.progress.line(citation_line(files_.options));
 }
 } // namespace pdx::record

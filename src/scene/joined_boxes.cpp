@@ -86,7 +86,7 @@ std::vector<std::vector<std::size_t>> patches_of_boxes(const options::SceneOptio
       const bool apart = !geom::touch(boxes[p], boxes[q], 1e-9 * boxes[p].size().norm());
       if (apart && (options.scheme != couple::Scheme::handshake || !one_lattice(options.pd, p, q))) continue;
       if (!apart) require_one_lattice(options, p, q);
-      const auto [low, high] = std::minmax(root[p], root[q]);
+      const std::size_t low = std::min(root[p], root[q]), high = std::max(root[p], root[q]);
       std::ranges::replace(root, high, low);
     }
   std::vector<std::vector<std::size_t>> patches;

@@ -127,6 +127,7 @@ template <int Dim> std::string ParticlePart<Dim>::counted(const options::SceneOp
   for (const auto& part : bonds_.parts()) families.push_back(family(part->stencil()));
   std::ranges::sort(families);
   families.erase(std::unique(families.begin(), families.end()), families.end());
+  if (families.empty()) return fmt::format("bonds: none before bulk becomes particles{}", unbroken(options));
   return fmt::format("bonds: {} between particles{}; a full family has {}{}", bonds,
                      carried > 0 ? fmt::format(", {} to elements", carried) : "", fmt::join(families, " or "),
                      unbroken(options));

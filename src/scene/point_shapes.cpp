@@ -184,18 +184,24 @@ mpm::Body<Dim> body_of(const options::PointBodyOptions& options, const mpm::Body
     Enclosed inside(shape.border);
     return inside(x);
   });
-  if (options.shape.hole && body.skin)
-    body.skin = [skin = std::move(body.skin), hole = *options.shape.hole](const Vector<Dim>& site, unsigned uncovered) {
+  const std::vector<options::PointShape::Ball>& holes = options.shape.holes;
+  if (holes.empty()) return body;
+  if (body.skin)
+    body.skin = [skin = std::move(body.skin), holes](const Vector<Dim>& site, unsigned uncovered) {
       const Vector<Dim> moved = skin(site, uncovered);
-      const Vector<2> away = site.template head<2>() - hole.centre.template head<2>();
-      return std::abs(away.norm() - hole.radius) < (moved - site).norm() ? site : moved; // it lies at the hole
+      const double way = (moved - site).norm();
+      const bool at_hole = std::ranges::any_of(holes, [&](const options::PointShape::Ball& hole) {
+        const Vector<2> away = site.template head<2>() - hole.centre.template head<2>();
+        return std::abs(away.norm() - hole.radius) < way;
+      });
+      return at_hole ? site : moved;
     };
-  if (!options.shape.hole) return body;
-  const options::PointShape::Ball& hole = *options.shape.hole;
   for (std::size_t k = 0; k < body.points.size(); ++k) {
     const Vector<Dim> middle = body.node(body.cell(static_cast<std::int64_t>(k))).array() + 0.5 * body.cell_size();
-    const Vector<2> away = middle.template head<2>() - hole.centre.template head<2>();
-    if (away.squaredNorm() < hole.radius * hole.radius * (1.0 - kOnRim)) body.points[k] = 0;
+    for (const options::PointShape::Ball& hole : holes) {
+      const Vector<2> away = middle.template head<2>() - hole.centre.template head<2>();
+      if (away.squaredNorm() < hole.radius * hole.radius * (1.0 - kOnRim)) body.points[k] = 0;
+    }
   }
   if (body.count() == 0) throw UserError(fmt::format("-mpm_{0}_hole: nothing of {0} is left", options.name));
   return body;

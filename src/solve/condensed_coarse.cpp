@@ -86,10 +86,12 @@ void CondensedCoarse::change_basis()
   }
   const std::vector<std::uint8_t> all_held = gather_all(kept_.rows().comm, held);
   const Condensation::Matrix& s = condensation_.stiffness();
-  Condensation::Matrix right = Condensation::Matrix::Zero(s.rows(), s.cols());
-  for (const Share& share : gather_all(kept_.rows().comm, mine))
-    right.middleCols(dim * share.coarse, dim) += share.weight * s.middleCols(dim * share.fine, dim);
+  const std::vector<Share> shares = gather_all(kept_.rows().comm, mine);
   stiffness_ = Condensation::Matrix::Zero(s.rows(), s.cols());
+  if (s.rows() == 0) return; // this rank keeps none
+  Condensation::Matrix right = Condensation::Matrix::Zero(s.rows(), s.cols());
+  for (const Share& share : shares)
+    right.middleCols(dim * share.coarse, dim) += share.weight * s.middleCols(dim * share.fine, dim);
   for (const Share& share : mine)
     stiffness_.middleRows(dim * (share.coarse - first), dim) +=
         share.weight * right.middleRows(dim * (share.fine - first), dim);

@@ -735,6 +735,7 @@ CASES = [
     points("triggers without a spacing", r"-pd_spacing is missing", adapt="expand", adapt_trigger="stretch",
            pd_critical_stretch="0.01", material_poisson="0.33333333333333333"),
     points("a hole that takes all", r"-mpm_two_hole: nothing of two is left", mpm_two_hole="1.4,0.2,3"),
+    points("a second hole without a radius", r"-mpm_two_hole has 5 numbers\b.*x,y,radius", mpm_two_hole="1.4,0.2,0.1,1.2,0.2"),
     points("viscosity of implicit steps", r"-mpm_bulk_viscosity\b.*-analysis explicit", analysis="implicit", contact="none",
            mpm_bulk_viscosity="0.06"),
     points("implicit steps on a grid made anew", r"-mpm_formulation updated\b.*-analysis explicit", analysis="implicit",

@@ -3,7 +3,11 @@
 Usage: test_mixed.py PDXSOLVE [unittest arguments]; environment as for test_bad_input.py.
 """
 
+import re
+
+import numpy as np
 import program
+from pdxtools import draw
 
 STEEL = {
     "-analysis": "explicit",
@@ -82,6 +86,29 @@ SPINNING = STEEL | {
     "-pd_critical_stretch": "0.02",
     "-ts_max_time": "30e-6",
 }
+# A strip with two holes that is pulled by its ends; bonds 2 mm apart break at 23 MPa or less.
+HOLES = {
+    "-analysis": "explicit",
+    "-material": "pmma",
+    "-material_poisson": "1/3",
+    "-mpm_bodies": "strip",
+    "-mpm_strip_box": "0,0,80mm,48mm",
+    "-mpm_strip_hole": "30mm,18mm,6mm,50mm,30mm,6mm",
+    "-mpm_spacing": "2mm",
+    "-pd_spacing": "2mm",
+    "-adapt": "expand",
+    "-adapt_trigger": "stress",
+    "-adapt_stress": "40MPa",
+    "-bc_names": "left,right",
+    "-bc_left_on": "left",
+    "-bc_left_velocity": "-2,0",
+    "-bc_right_on": "right",
+    "-bc_right_velocity": "2,0",
+    "-ts_max_time": "200us",
+    "-output_fields": "",
+    "-output_interval": "1000000",
+    "-output_history": "",
+}
 # A bar that is pulled apart by its own motion until it becomes particles in its middle and breaks there.
 EARLY, LATE = "2095", "2110"  # steps before and after what is held by waves becomes particles
 
@@ -111,6 +138,25 @@ class Mixed(program.ProgramTest):
             self.assertEqual([tip["start"] for tip in tips], [[0.02, 0.006]] * len(tips))
             self.assertTrue(all(tip["at"][1] < 0.012 for tip in tips), tips)
             self.assertNotIn("momentum_error_ratio", run.summary["results"])  # whichever rank holds what is held
+
+    def test_a_strip_with_two_holes_breaks_and_says_so(self):
+        run = self.launch(HOLES)
+        self.assertEqual(run.status, 0, run.err)
+        # Cells of 4 mm with their middle within 6 mm of a hole's: of (30, 18) 6, of (50, 30) 6; 4 points each.
+        near = [(x, y) for x in range(2, 80, 4) for y in range(2, 48, 4)
+                if any((x - a) ** 2 + (y - b) ** 2 < 36 * (1 - 1e-9) for a, b in ((30, 18), (50, 30)))]  # fmt: skip
+        self.assertEqual(run.history()[0]["points"], 4 * (20 * 12 - len(near)))
+        self.assertIn("bonds: none before bulk becomes particles\n", run.out)
+        broken = int(re.search(r"(?m)^(\d+) bonds broken, ([\d.]+) J$", run.out)[1])
+        self.assertEqual(broken, run.summary["bonds_broken"])
+        self.assertGreater(broken, 0)
+        self.assertRegex(run.err, r"-adapt_stress is 4e\+07 Pa, but bonds 0\.002 m apart break at \d\S* Pa")
+        self.solve(HOLES | {"-adapt_stress": "5MPa", "-ts_max_steps": "2"})  # without a word
+
+        picture = draw.Run(run.directory)  # of particles in the midst of points both are drawn
+        lower, upper = (1e3 * edge(draw.extent_of(picture, 0.0) / picture.metre, axis=0) for edge in (np.min, np.max))
+        self.assertLess(abs(np.concatenate([lower - 1, upper - [79, 47]])).max(), 1.1)
+        self.assertGreater(len(picture.particles.points), 0)
 
     def test_nothing_is_paid_for_what_is_not_there(self):
         events = self.solve(STRUCK | {"-contact": "none", "-ts_max_time": "2e-6"}).events

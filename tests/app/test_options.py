@@ -105,7 +105,7 @@ CASES = [
     Case("nothing of a condition's", "-bc_none_on top\n" + PLATE.replace("left,right", "left,right,none"),
          AT + "-bc_none: nothing is prescribed"),
     # --- files
-    Case("no option at all", "", r"^error: there is no mesh: give"),
+    Case("no option at all", "", r"^error: there is no mesh: give.*-mpm_bodies or -pd_cloud"),
     Case("an empty file beside others", PLATE, None, ("-options_file", "empty.opts", "-options_file", "case.opts"),
          {"empty.opts": ""}),
     plate("a file in a file", "-options_file 'in ner.opts'", files={"in ner.opts": "-mesh_lower 0,0\n"}),

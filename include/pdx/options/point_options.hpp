@@ -25,7 +25,7 @@ struct PointShape {
   };
   std::optional<geom::Box<3>> box;  ///< [m]
   std::optional<Ball> disc, sphere; ///< a disc in space is a cylinder along z
-  std::optional<Ball> hole;         ///< round, through the body: whole cells with their middle in it are left out
+  std::vector<Ball> holes;          ///< round, through the body: whole cells with their middle in one are left out
   std::vector<std::array<Vector<2>, 2>> border; ///< edges of a polygon, or of a region of a mesh, in any order [m]
   std::string file;                             ///< of points, as those of -pd_cloud
   double z_lower = 0.0, z_upper = 0.0;          ///< in space: where disc, polygon and region begin and end [m]

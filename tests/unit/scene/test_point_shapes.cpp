@@ -60,11 +60,27 @@ TEST(PointSkin, OfARingIsThatOfItsOuterBorder)
   options::PointBodyOptions body;
   body.spacing = 0.1;
   body.shape.disc = options::PointShape::Ball{{0.0, 0.0, 0.0}, 2.0};
-  body.shape.hole = options::PointShape::Ball{{0.0, 0.0, 0.0}, 1.8};
+  body.shape.holes = {{{0.0, 0.0, 0.0}, 1.8}};
   for_each_skin<2>(body, [](const Vector<2>& site, const Vector<2>& skin) {
     EXPECT_LT((skin - site).norm(), 0.07) << site.transpose();
     EXPECT_TRUE(site.norm() >= 1.85 || skin == site) << site.transpose();
   });
+}
+
+/// Cells of 2 with their middle within 1.1 of (1, 1) and of (7, 3): one each, of 16.
+TEST(PointShape, HolesTakeTheCellsOfEach)
+{
+  options::PointBodyOptions body;
+  body.spacing = 1.0;
+  body.shape.box = geom::Box<3>{{0.0, 0.0, 0.0}, {8.0, 8.0, 0.0}};
+  EXPECT_EQ(scene::body_of<2>(body, lattice(1.0), {}).count(), 64);
+  body.shape.holes = {{{1.0, 1.0, 0.0}, 1.1}, {{7.0, 3.0, 0.0}, 1.1}};
+  const auto of = scene::body_of<2>(body, lattice(1.0), {});
+  EXPECT_EQ(of.count(), 64 - 8);
+  for (std::size_t k = 0; k < of.points.size(); ++k) {
+    const Site<2> cell = of.cell(static_cast<std::int64_t>(k));
+    EXPECT_EQ(of.points[k] == 0, cell == (Site<2>{0, 0}) || cell == (Site<2>{3, 1})) << k;
+  }
 }
 
 TEST(PointSkin, OfACylinderKeepsItsEnds)
