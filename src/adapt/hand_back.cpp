@@ -23,13 +23,16 @@ Vector<2> pair_at(std::span<const double> field, std::size_t k) { return {field[
 /// What a particle says of the fresh rows of the element that takes its place.
 class SetEquations {
 public:
-  SetEquations(const SceneView& scene, const Leaving& left, std::span<const double> is_new,
+  SetEquations(const SceneView& scene, const Leaving& left, std::span<const Index> is_new,
                std::span<const std::span<double>> fields)
       : scene_(scene), left_(left)
   {
     const field::Rows& rows = scene.halo.rows();
-    scene.halo.fetch(is_new, 1, is_asked_);
-    std::vector<double> loose(is_new.size(), 0.0); // of cut elements, and the only row of their node there
+    const auto owned = static_cast<std::size_t>(rows.owned());
+    std::vector<double> fresh(owned, 0.0);
+    for (const Index row : is_new) fresh[static_cast<std::size_t>(row)] = 1.0;
+    scene.halo.fetch(fresh, 1, is_asked_);
+    std::vector<double> loose(owned, 0.0); // of cut elements, and the only row of their node there
     if (scene.sets) note_loose_nodes(*scene.sets, loose);
     std::fill_n(loose.begin() + rows.nodes, rows.enriched, 1.0);
     std::vector<double> of_cracks;
@@ -158,9 +161,11 @@ FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::si
   return fresh;
 }
 
-void fit_sets(const SceneView& scene, const Leaving& left, std::span<const double> is_new,
+void fit_sets(const SceneView& scene, const Leaving& left, std::span<const Index> is_new,
               std::span<const std::span<double>> fields)
 {
+  const bool any = scene.sets && (scene.halo.rows().enriched > 0 || !scene.sets->cells().empty());
+  if (!any_rank(scene.mesh.comm(), any)) return;
   SetEquations equations(scene, left, is_new, fields);
   for (std::size_t k = 0; k < left.cells.size(); ++k) equations.add(k);
   const Together together(gather_all(scene.mesh.comm(), equations.entries()), 2 * fields.size());

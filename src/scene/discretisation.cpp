@@ -188,7 +188,7 @@ void add_peridynamics(const mesh::Mesh& mesh, const options::SceneOptions& optio
   Index band = 0;
   for (const auto& stencil : plan.stencils) band = std::max(band, stencil.reach + pd::family_reach<2>(stencil));
   d.seams = seams_of(mesh, options, plan);
-  if (kept) kept->number(d, band);
+  if (kept) kept->number(d, mesh, band);
   d.around =
       couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows, d.sets.get(),
                                    d.seams.empty() ? nullptr : &d.seams, options.scheme != couple::Scheme::energy,

@@ -57,15 +57,13 @@ void add_runs(std::span<const Index> before, PetscInt from, std::span<const Inde
 }
 } // namespace
 
-namespace {
-bool may_stay(const Discretisation& scene, const options::SceneOptions& options)
+bool Kept::may_stay(const Discretisation& scene, const options::SceneOptions& options)
 {
   return options.time.analysis == options::Analysis::explicit_dynamics && options.scheme == couple::Scheme::energy &&
          !scene.point_plan && scene.bonds && scene.carried && scene.seams.empty();
 }
-} // namespace
 
-std::optional<Kept> Kept::of(Discretisation& scene, const options::SceneOptions& options)
+std::optional<Kept> Kept::of(Discretisation& scene, const mesh::Mesh& mesh, const options::SceneOptions& options)
 {
   if (!may_stay(scene, options)) return std::nullopt;
   Kept kept;
@@ -76,6 +74,11 @@ std::optional<Kept> Kept::of(Discretisation& scene, const options::SceneOptions&
   kept.particles_ = std::move(scene.particles);
   kept.nodes_ = std::move(scene.nodes);
   kept.sets_ = vertices_of(scene.sets.get());
+  PetscInt row = scene.system.rows.first + scene.system.rows.nodes;
+  for (const Index v : kept.sets_) {
+    const auto of = std::ranges::find(scene.sets->of(v), row++, &xfem::EnrichedSet::row);
+    kept.set_names_.push_back(field::RowName::set(mesh.natural_vertex(v), of->crack));
+  }
   kept.halo_ = std::move(scene.system.halo);
   return kept;
 }
@@ -117,7 +120,7 @@ std::vector<pd::Particle> Kept::particles(std::span<const pd::Particle> fresh, s
   return all;
 }
 
-void Kept::number(const Discretisation& scene, Index band)
+void Kept::number(const Discretisation& scene, const mesh::Mesh& mesh, Index band)
 {
   const field::Rows &rows = scene.system.rows, &old = halo_->rows();
   const bool others = sets_ != vertices_of(scene.sets.get());
@@ -137,6 +140,23 @@ void Kept::number(const Discretisation& scene, Index band)
     const auto length = static_cast<PetscInt>(parts_.parts[p]->sites().size());
     if (moved[p] >= 0) mine.push_back({row, moved[p], length});
     row += length;
+  }
+  field::StayingRows& stay = handed_.rows;
+  stay.before = old.owned();
+  stay.now = rows.owned();
+  for (const field::RowShift::Run& run : mine)
+    stay.runs.push_back({static_cast<Index>(run.from - old.first), static_cast<Index>(run.to - rows.first), run.length});
+  for (const Index row_before : stay.leaving())
+    if (row_before < old.nodes)
+      stay.names.push_back(
+          field::RowName::node(mesh.natural_vertex(nodes_[static_cast<std::size_t>(row_before)])));
+    else if (row_before < old.first_particle())
+      stay.names.push_back(set_names_[static_cast<std::size_t>(row_before - old.nodes)]);
+  for (std::size_t p = 0; p < shapes_.size(); ++p) {
+    if (moved[p] >= 0) continue;
+    add_names(shapes_[p], parts_.parts[p]->sites(), stay.names);
+    const std::vector<std::uint64_t> gone = parts_.parts[p]->gone();
+    handed_.gone.insert(handed_.gone.end(), gone.begin(), gone.end());
   }
   shift_ = std::make_shared<field::RowShift>(std::move(halo_), mine);
 }

@@ -118,6 +118,20 @@ std::vector<couple::PatchShape> patch_shapes(const options::SceneOptions& option
   return std::move(plan.shapes);
 }
 
+/// Sites that follow each other in a run have names that do.
+void add_names(const couple::PatchShape& shape, std::span<const Index> sites, std::vector<field::RowName>& names)
+{
+  const auto step = static_cast<std::uint64_t>(shape.names.lattices); // from one name of a run to the next
+  for (std::size_t k = 0; k < sites.size();) {
+    const Site<2> at = shape.active.site(sites[k]);
+    const std::uint64_t first = shape.names.of(at);
+    const auto run = static_cast<std::uint64_t>(shape.active.end_of_run(at) - at[0]);
+    const Index from = sites[k];
+    for (std::uint64_t j = 0; j < run && k < sites.size() && sites[k] == from + static_cast<Index>(j); ++j, ++k)
+      names.push_back(field::RowName::particle(first + j * step));
+  }
+}
+
 PatchPlan plan_patches(const options::SceneOptions& options, mesh::MeshOptions& mesh, const PatchPlan* known)
 {
   PatchPlan plan;

@@ -117,17 +117,23 @@ public:
   }
   adapt::SceneView view() const override { return d_->view(ground_.mesh); }
   const PatchPlan& patches() const override { return ground_.plan; }
-  void change(const Layout& layout) override
+  bool hands_over(const Layout& layout) const override
+  {
+    return layout.cracks == ground_.options.cracks.lines && Kept::may_stay(*d_, ground_.options);
+  }
+  std::optional<Handed> change(const Layout& layout) override
   {
     std::optional<Kept> kept;
-    if (layout.cracks == ground_.options.cracks.lines) kept = Kept::of(*d_, ground_.options);
+    if (hands_over(layout)) kept = Kept::of(*d_, ground_.mesh, ground_.options);
     d_.reset();
     ground_.lay_again(layout.in(ground_.options), kept ? &*kept : nullptr);
     build(kept ? &*kept : nullptr);
     const std::vector<double> before = std::exchange(least_, {});
     for (std::size_t p = 0; kept && p < ground_.plan.shapes.size(); ++p)
       least_.push_back(kept->has(p) ? before.at(kept->before(p)) : kUnknown);
-    if (kept) leave_out(kept->same());
+    if (!kept) return std::nullopt;
+    leave_out(kept->same());
+    return kept->handed();
   }
   void foresee(const Layout& next) override
   {
@@ -148,26 +154,25 @@ private:
   /// As `solve::stable_step` has it. What patches that stay allow is known.
   double rigorous_limit()
   {
-    const field::System& system = d_->system;
+    field::System& system = d_->system;
     least_.resize(ground_.plan.shapes.size(), kUnknown);
-    std::vector<std::array<Index, 2>> known;
+    std::vector<std::array<Index, 2>> wanted{{0, system.rows.first_particle()}};
+    std::vector<std::size_t> patches; // whose particles are wanted too
     for (std::size_t p = 0; p < least_.size(); ++p)
-      if (const pd::LatticePart<2>& part = *d_->bonds->parts()[p]; least_[p] != kUnknown)
-        known.push_back({part.first_row(), part.first_row() + static_cast<Index>(part.sites().size())});
-    const std::vector<double> squares = solve::row_limits(system, known);
-    auto next = squares.begin() + system.rows.first_particle();
+      if (const pd::LatticePart<2>& part = *d_->bonds->parts()[p]; least_[p] == kUnknown) {
+        wanted.push_back({part.first_row(), part.first_row() + static_cast<Index>(part.sites().size())});
+        patches.push_back(p);
+      }
+    const std::vector<double> squares = solve::row_limits(system, wanted);
+    auto next = squares.begin() + wanted[0][1];
     double least = std::numeric_limits<double>::infinity();
-    const auto take = [&least](auto begin, auto end) {
-      for (auto at = begin; at != end; ++at) least = std::min(least, *at);
-    };
-    take(squares.begin(), next);
-    for (std::size_t p = 0; p < least_.size(); ++p) {
+    for (auto at = squares.begin(); at != next; ++at) least = std::min(least, *at);
+    for (const std::size_t p : patches) {
       const auto end = next + std::ssize(d_->bonds->parts()[p]->sites());
-      if (least_[p] == kUnknown)
-        least_[p] = next == end ? std::numeric_limits<double>::infinity() : *std::min_element(next, end);
-      least = std::min(least, least_[p]);
+      least_[p] = next == end ? std::numeric_limits<double>::infinity() : *std::min_element(next, end);
       next = end;
     }
+    for (const double of_patch : least_) least = std::min(least, of_patch);
     MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE, MPI_MIN, system.rows.comm);
     return least > 0.0 ? 2.0 * std::sqrt(least) : solve::stable_step(system).limit; // says where there is no mass
   }
@@ -272,12 +277,13 @@ public:
   field::System& system() override { return body_->system; }
   StepLimits limits() override { return limits_of<3>({&*bodies_.stencil, 1}, body_->system); }
   const adapt::SpaceView* space() const override { return &*view_; }
-  void change(const Layout& layout) override
+  std::optional<Handed> change(const Layout& layout) override
   {
     view_.reset();
     body_.reset();
     options_ = layout.in(std::move(options_));
     build();
+    return std::nullopt;
   }
 
 private:

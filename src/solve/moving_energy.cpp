@@ -1,27 +1,35 @@
 #include "pdx/base/lanes.hpp"
 #include "pdx/solve/moving_system.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
 namespace pdx::solve {
+std::vector<std::array<Index, 2>> MovingSystem::counted() const
+{
+  return counted_.value_or(std::vector<std::array<Index, 2>>{{0, system.rows.owned()}});
+}
+
 std::array<double, 3> MovingSystem::momentum(std::span<const double> velocity) const
 {
   const auto dim = static_cast<std::size_t>(system.rows.dim);
+  const std::array<Index, 2> sets{system.rows.nodes, system.rows.first_particle()};
   std::array<double, 3> sum{};
-  if (ties_.empty()) {
-    for (std::size_t row = 0; row < mass.size(); ++row)
+  const auto add = [&](Index first, Index end) {
+    for (auto row = static_cast<std::size_t>(first); first < end && row < static_cast<std::size_t>(end); ++row)
       for (std::size_t d = 0; d < dim; ++d) sum[d] += mass[row] * velocity[row * dim + d];
-    MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);
-    return sum;
+  };
+  for (const auto& [first, end] : counted()) { // all rows move alike where the body does, and no set opens
+    add(first, std::min(end, sets[0]));
+    add(std::max(first, sets[1]), end);
   }
-  std::vector<double> inertia(velocity.size(), 0.0);
-  add_inertia(velocity, inertia);
-  const auto sets = static_cast<std::size_t>(system.rows.nodes),
-             particles = sets + static_cast<std::size_t>(system.rows.enriched);
-  for (std::size_t row = 0; row < mass.size(); ++row) // all rows move alike where the body does, and no set opens
-    for (std::size_t d = 0; d < dim && (row < sets || row >= particles); ++d) sum[d] += inertia[row * dim + d];
+  for (const field::Tie& t : ties_) {
+    const auto row = static_cast<std::size_t>(t.row), set = static_cast<std::size_t>(t.set);
+    for (std::size_t d = 0; d < dim; ++d)
+      sum[d] += mass[set] * (velocity[row * dim + d] + t.factor * velocity[set * dim + d]);
+  }
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);
   return sum;
 }
@@ -56,9 +64,16 @@ void add_weighed_squares(std::span<const double> mass, const double* v, const do
 /// m v.v of all rows, m a.a of all, m v.v of particles.
 template <std::size_t Dim> void MovingSystem::add_squares(std::span<const double> a, double (&sums)[3]) const
 {
-  const auto particles = static_cast<std::size_t>(system.rows.first_particle());
-  add_weighed_squares<Dim>(mass, v.data(), a.data(), 0, particles, sums[0], sums[1]);
-  add_weighed_squares<Dim>(mass, v.data(), a.data(), particles, mass.size(), sums[2], sums[1]);
+  const Index particles = system.rows.first_particle();
+  for (const auto& [first, end] : counted()) {
+    const auto add = [&, this](Index from, Index to, double& vv) {
+      if (from < to)
+        add_weighed_squares<Dim>(mass, v.data(), a.data(), static_cast<std::size_t>(from), static_cast<std::size_t>(to),
+                                 vv, sums[1]);
+    };
+    add(first, std::min(end, particles), sums[0]);
+    add(std::max(first, particles), end, sums[2]);
+  }
   sums[0] += sums[2];
 }
 

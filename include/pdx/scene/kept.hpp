@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/couple/carried_bonds.hpp"
 #include "pdx/pd/bond_term.hpp"
+#include "pdx/scene/handed.hpp"
 #include "pdx/scene/patches.hpp"
 
 namespace pdx::scene {
@@ -12,7 +13,9 @@ class Kept {
 public:
   /// All that might stay leaves the scene, which is about to go. Nothing where it does not step explicitly with the
   /// energy scheme, where it has bodies of points, or where its mesh is parted: these are made anew.
-  static std::optional<Kept> of(Discretisation& scene, const options::SceneOptions& options);
+  static std::optional<Kept> of(Discretisation& scene, const mesh::Mesh& mesh, const options::SceneOptions& options);
+  /// Will `of` find anything?
+  static bool may_stay(const Discretisation& scene, const options::SceneOptions& options);
 
   /// Which patches of a scene stay under the next layout, for each of its own; empty for none.
   static std::vector<bool> staying(const Discretisation& scene, const options::SceneOptions& options,
@@ -25,7 +28,9 @@ public:
   std::size_t before(std::size_t patch) const { return static_cast<std::size_t>(from_[patch]); } ///< its number then
   /// Its rows are numbered: nothing stays if enriched sets are others. Collective.
   /// @param band sites around patches that are looked at
-  void number(const Discretisation& next, Index band);
+  void number(const Discretisation& next, const mesh::Mesh& mesh, Index band);
+  /// After `number`.
+  Handed handed() { return std::move(handed_); }
 
   /// Owned particles of the next layout. @param fresh those of patches that are new, by patch and site
   std::vector<pd::Particle> particles(std::span<const pd::Particle> fresh, std::size_t patches);
@@ -43,6 +48,8 @@ private:
   couple::CarriedBonds<2>::Families families_;
   std::vector<pd::Particle> particles_;
   std::vector<Index> nodes_, sets_; // vertices
+  std::vector<field::RowName> set_names_;
+  Handed handed_;
   std::unique_ptr<field::RowHalo> halo_;
   std::vector<int> from_; // per patch of the next layout: its number before, -1: it is new
   std::vector<bool> same_;

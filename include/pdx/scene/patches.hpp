@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/couple/surroundings.hpp"
+#include "pdx/field/row_name.hpp"
 #include "pdx/options/scene_options.hpp"
 #include "pdx/pd/particles.hpp"
 #include "pdx/pd/side_weights.hpp"
@@ -24,6 +25,9 @@ std::array<Index, 2> background_cells(const geom::Lattice<2>& lattice);
 
 /// Where patches lie, their sites named. Throws UserError for a spacing that does not fit.
 std::vector<couple::PatchShape> patch_shapes(const options::SceneOptions& options);
+
+/// Adds the names of some sites of a patch. @param sites their places in it, ascending
+void add_names(const couple::PatchShape& shape, std::span<const Index> sites, std::vector<field::RowName>& names);
 
 /// Lays out the patches before the mesh is built; completes the mesh options of peridynamics-only scenes (background
 /// cells of about 4 dx around body and layers). Throws UserError for a spacing that does not fit, naming one that does.
