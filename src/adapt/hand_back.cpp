@@ -127,16 +127,16 @@ Leaving leaving(const SceneView& scene, std::span<const geom::Box<2>> uncovered,
   left.fields.resize(fields.size());
   if (uncovered.empty()) return left;
   const auto first = static_cast<std::size_t>(scene.halo.rows().first_particle());
-  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
+  for_each_particle_near(scene, uncovered, [&](std::size_t k) {
     const pd::Particle& p = scene.particles[k];
-    if (!geom::hold(uncovered, p.x)) continue;
+    if (!geom::hold(uncovered, p.x)) return;
     left.cells.push_back(p.cell);
     left.places.push_back(p.x);
     for (std::size_t f = 0; f < fields.size(); ++f) {
       const Vector<2> value = pair_at(fields[f], first + k);
       left.fields[f].insert(left.fields[f].end(), {value[0], value[1]});
     }
-  }
+  });
   return left;
 }
 
@@ -149,8 +149,12 @@ FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::si
   std::set<Index> beside; // vertices of cut elements: what changes around them may part their support
   for (const Index c : mesh.cells(mesh::Use::cut))
     for (const Index v : mesh.cell(c)) beside.insert(v);
-  for (Index v = 0; v < mesh.owned_vertices(); ++v) {
-    if (!beside.contains(v) && !geom::hold(change.uncover, mesh.point(v))) continue;
+  std::set<Index> asked = beside;
+  for (const Index c : mesh.finder().around(change.uncover))
+    for (const Index v : mesh.cell(c))
+      if (geom::hold(change.uncover, mesh.point(v))) asked.insert(v);
+  for (const Index v : asked) {
+    if (v >= mesh.owned_vertices()) break;
     const std::span<const xfem::EnrichedSet> known =
         scene.sets ? scene.sets->of(v) : std::span<const xfem::EnrichedSet>();
     for (int crack = 0; crack < std::max(cracks, scene.sets ? scene.sets->codes() : 0); ++crack)

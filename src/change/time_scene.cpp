@@ -102,6 +102,7 @@ void TimeScene::rebuild(const adapt::LayoutChange& change, std::optional<mesh::M
   moment.known = moment.state.rows.size();
   scene::add_rows(moment.state, moment.fresh);
   drive(std::move(values));
+  driver_->count_only(scene_->changing_rows());
 }
 
 std::optional<scene::CrackNotes> TimeScene::take(Moment moment, const adapt::LayoutChange& change)

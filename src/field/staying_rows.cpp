@@ -5,7 +5,7 @@
 namespace pdx::field {
 namespace {
 /// What of 0 ... count is in none of the runs, which begin there.
-std::vector<Index> outside(std::vector<StayingRows::Run> runs, Index StayingRows::Run::* begin, Index count)
+std::vector<Index> outside(std::vector<StayingRows::Run> runs, Index StayingRows::Run::*begin, Index count)
 {
   std::ranges::sort(runs, {}, begin);
   std::vector<Index> rows;

@@ -29,6 +29,8 @@ CellFinder::CellFinder(std::span<const std::array<Index, 4>> cells, std::span<co
       sum += points[static_cast<std::size_t>(v)];
     }
     middles_.push_back(0.25 * sum);
+    for (const Index v : cell)
+      reach_ = std::max(reach_, (points[static_cast<std::size_t>(v)] - middles_.back()).lpNorm<Eigen::Infinity>());
   }
   sort_by_group(points.size(), groups, 4, first_at_, at_);
   if (cells.empty()) {
@@ -42,7 +44,8 @@ CellFinder::CellFinder(std::span<const std::array<Index, 4>> cells, std::span<co
   }
   const Vector<2> size = upper - origin_;
   const double longest = size.maxCoeff(), area = std::max(size[0], longest * 1e-3) * std::max(size[1], longest * 1e-3);
-  side_ = longest > 0.0 ? 2.0 * std::sqrt(area / static_cast<double>(cells.size())) : 1.0; // four cells, if they are even
+  side_ =
+      longest > 0.0 ? 2.0 * std::sqrt(area / static_cast<double>(cells.size())) : 1.0; // four cells, if they are even
   bins_ = {1, 1};
   bins_ = bin_of(upper);
   for (Index& count : bins_) ++count;
@@ -66,6 +69,34 @@ std::span<const Index> CellFinder::at(Index vertex) const
   const auto v = static_cast<std::size_t>(vertex);
   return std::span(at_).subspan(static_cast<std::size_t>(first_at_[v]),
                                 static_cast<std::size_t>(first_at_[v + 1] - first_at_[v]));
+}
+
+namespace {
+std::vector<Index> once(std::vector<Index> numbers)
+{
+  std::ranges::sort(numbers);
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  return numbers;
+}
+} // namespace
+
+std::vector<Index> CellFinder::around(std::span<const geom::Box<2>> boxes) const
+{
+  std::vector<Index> cells;
+  for (geom::Box<2> box : boxes) {
+    box.lower.array() -= 1.001 * reach_;
+    box.upper.array() += 1.001 * reach_;
+    const std::vector<Index> more = in(box);
+    cells.insert(cells.end(), more.begin(), more.end());
+  }
+  return once(std::move(cells));
+}
+
+std::vector<Index> CellFinder::at_any(std::span<const Index> vertices) const
+{
+  std::vector<Index> cells;
+  for (const Index v : vertices) cells.insert(cells.end(), at(v).begin(), at(v).end());
+  return once(std::move(cells));
 }
 
 std::vector<Index> CellFinder::in(const geom::Box<2>& box) const

@@ -186,7 +186,8 @@ field::RowMove::Wanted wanted_of(StateMove::From from)
 
 StateMove::StateMove(const NamedState& state, const Standing& scene, From from, const field::StayingRows* stay)
     : state_(state), scene_(scene), changed_(from == From::changed), coming_(rows_of(scene, stay)),
-      names_(stay ? SceneNames(scene, coming_) : SceneNames(scene)), rows_(scene.model->system.rows.comm, state.rows, names_.rows(), wanted_of(from)),
+      names_(stay ? SceneNames(scene, coming_) : SceneNames(scene)),
+      rows_(scene.model->system.rows.comm, state.rows, names_.rows(), wanted_of(from)),
       particles_(scene.model->system.rows.comm, state.particles, names_with_words(scene, names_), wanted_of(from)),
       misfit_(misfit_of())
 {}

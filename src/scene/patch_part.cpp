@@ -43,7 +43,8 @@ public:
   field::RowName row_name(Index row) const override
   {
     if (row < model_.system.rows.first_particle()) return {};
-    const pd::Particle& particle = model_.particles[static_cast<std::size_t>(row - model_.system.rows.first_particle())];
+    const pd::Particle& particle =
+        model_.particles[static_cast<std::size_t>(row - model_.system.rows.first_particle())];
     return name(static_cast<std::size_t>(particle.patch), particle.site);
   }
 
@@ -120,6 +121,19 @@ public:
               const pd::Particle& particle = model_.particles[k];
               return name(static_cast<std::size_t>(particle.patch), particle.site).key();
             }};
+  }
+
+  std::vector<double> damage_of(std::span<const std::size_t> particles) const override
+  {
+    std::vector<double> some;
+    for (const std::size_t k : particles) {
+      const Index row = model_.system.rows.first_particle() + static_cast<Index>(k);
+      pd::BondedVolume volume;
+      bonds_.parts()[static_cast<std::size_t>(model_.particles[k].patch)]->add_bonded_volume(row, volume);
+      if (carried_) carried_->add_bonded_volume(row, volume);
+      some.push_back(pd::damage(volume) + pd::precrack_share(volume));
+    }
+    return some;
   }
 
   std::vector<SeenParticle> seen() const override

@@ -224,16 +224,30 @@ std::string nearest_box(const geom::Box<2>& box, const mesh::MeshOptions& option
 }
 } // namespace
 
-void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options, const geom::Frame& frame)
+std::vector<Index> cells_under(const mesh::Mesh& mesh, const couple::PatchShape& shape)
+{
+  std::vector<Index> cells;
+  for (const geom::Box<2>& box : shape.boxes) {
+    const std::vector<Index> more = mesh.finder().in(box);
+    cells.insert(cells.end(), more.begin(), more.end());
+  }
+  std::ranges::sort(cells);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return cells;
+}
+
+void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options, const geom::Frame& frame,
+                 Kept* kept)
 {
   std::vector<double> area(plan.shapes.size(), 0.0), cut(plan.shapes.size(), 0.0);
-  for (Index c = 0; c < mesh.cells(); ++c) {
-    const auto corners = mesh.corners(c);
-    for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
-      const couple::PatchShape& shape = plan.shapes[p];
-      if (!shape.holds(mesh.centroid(c))) continue;
+  for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
+    const couple::PatchShape& shape = plan.shapes[p];
+    if (kept && kept->has(p)) continue;
+    for (const Index c : cells_under(mesh, shape)) {
+      if (kept) kept->note(c, mesh.use(c));
       mesh.cover(c, static_cast<int>(p));
       if (c >= mesh.owned_cells()) continue;
+      const auto corners = mesh.corners(c);
       area[p] += area_of(corners);
       for (const Vector<2>& x : corners)
         if (!shape.holds(x, kFits * shape.lattice.dx)) cut[p] = 1.0;
@@ -253,6 +267,7 @@ void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOption
         throw UserError(fmt::format("{} leaves the mesh, which spans {} to {}", which(b),
                                     frame.text(mesh.bounds().lower), frame.text(mesh.bounds().upper)));
     const double whole = static_cast<double>(shape.active.size()) * shape.lattice.dx * shape.lattice.dx;
+    if (kept && kept->has(p)) continue;
     if (cut[p] == 0.0 && std::abs(area[p] - whole) < 1e-6 * whole) continue;
     const CutBoxes boxes(shape, mesh);
     const std::size_t b = boxes.first();

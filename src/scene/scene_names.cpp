@@ -20,10 +20,7 @@ SceneNames::SceneNames(const Standing& scene, std::span<const Index> rows) : mod
   }
 }
 
-std::span<const field::RowName> SceneNames::particles() const
-{
-  return std::span(rows_).last(particles_);
-}
+std::span<const field::RowName> SceneNames::particles() const { return std::span(rows_).last(particles_); }
 
 bool SceneNames::is_watched(std::size_t k) const
 {

@@ -28,8 +28,7 @@ void keep_momentum(const MovingSystem& moving, std::span<const Index> is_new, co
   std::array<double, 3> mass{};
   if (any_rank(rows.comm, !moving.ties().empty())) {
     std::vector<double> all(v.size(), 0.0);
-    for (const std::size_t row : more)
-      std::fill_n(all.begin() + static_cast<std::ptrdiff_t>(row * dim), dim, 1.0);
+    for (const std::size_t row : more) std::fill_n(all.begin() + static_cast<std::ptrdiff_t>(row * dim), dim, 1.0);
     mass = moving.momentum(all);
   } else {
     for (const std::size_t row : more)
@@ -81,8 +80,7 @@ void keep_angular_momentum(const MovingSystem& moving, std::span<const Index> is
   if (any_rank(rows.comm, !system.prescribed.components.empty() || !system.rollers.empty())) return;
   const std::vector<std::size_t> turns = movable(rows, is_new);
   std::vector<double> drift(v.size(), 0.0); // as one velocity
-  for (const std::size_t row : turns)
-    std::fill_n(drift.begin() + static_cast<std::ptrdiff_t>(dim * row), dim, 1.0);
+  for (const std::size_t row : turns) std::fill_n(drift.begin() + static_cast<std::ptrdiff_t>(dim * row), dim, 1.0);
   const std::array<double, 3> mass = moving.momentum(drift);
   if (mass[0] <= 0.0) return;
   // A turn about each axis, about their middle, and what angular momentum it has.

@@ -37,8 +37,13 @@ public:
   void foresee(const adapt::LayoutChange& change)
   {
     if (!change.empty()) scene_->foresee(layout_.changed(change));
+    driver_->count_only(scene_->changing_rows());
   }
-  void settle() { scene_->settle(); }
+  void settle()
+  {
+    scene_->settle();
+    driver_->count_only(std::nullopt);
+  }
 
   /// All that a scene has come to, and what the rows that a change makes begin with.
   struct Moment {

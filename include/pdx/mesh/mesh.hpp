@@ -82,8 +82,8 @@ public:
   int patch(Index c) const { return patch_[static_cast<std::size_t>(c)]; }
   void cover(Index c, int patch);
   void uncover(Index c); ///< the cell is plain again, or one of points
-  void cut(Index c); ///< a plain cell becomes a cut one
-  void uncover();    ///< makes every cell plain again, or one of points
+  void cut(Index c);     ///< a plain cell becomes a cut one
+  void uncover();        ///< makes every cell plain again, or one of points
   /// The body that a cell is of, 0 where nothing else was said: what lies near may be of another.
   Index body(Index c) const { return body_[static_cast<std::size_t>(c)]; }
   /// @param points material points fill it, not an element

@@ -31,7 +31,7 @@ struct NamedState {
   std::vector<std::uint64_t> gone; ///< bonds that broke or were cut, so many words for each of `particles`
   /// Names of carried bonds that broke, of all ranks, ascending; none where there are no carried bonds.
   std::optional<std::vector<std::uint64_t>> carried;
-  std::optional<NamedGrips> grips; ///< of all ranks; none where nothing rubs
+  std::optional<NamedGrips> grips;   ///< of all ranks; none where nothing rubs
   std::optional<NamedCracks> cracks; ///< as a CrackWatch has seen them; none without one
 };
 

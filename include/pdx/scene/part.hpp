@@ -35,10 +35,10 @@ struct Picture {
 /// Bonds of a state that broke, on their way to a part that may have other ranks and another layout.
 struct BrokenBonds {
   MPI_Comm comm = MPI_COMM_NULL;
-  int width = 0;                                       ///< words of a particle
-  std::vector<std::uint64_t> mine;                     ///< gone words of the part's own particles, but of those that stay
-  std::vector<field::RowName> torn;                    ///< particles of the state that lost bonds, this rank's share
-  std::vector<std::uint64_t> torn_words;               ///< of each of them
+  int width = 0;                         ///< words of a particle
+  std::vector<std::uint64_t> mine;       ///< gone words of the part's own particles, but of those that stay
+  std::vector<field::RowName> torn;      ///< particles of the state that lost bonds, this rank's share
+  std::vector<std::uint64_t> torn_words; ///< of each of them
   const std::vector<std::uint64_t>* carried = nullptr; ///< keys that broke, of all ranks, ascending; null for none
   bool changed = false;                                ///< the state is of another layout of this run
 
@@ -120,8 +120,8 @@ public:
 
   /// Where its cracks can be followed, as the scene was given; none where they cannot.
   virtual std::vector<track::TreeGround> grounds(const options::SceneOptions&) const { return {}; }
-  virtual bool watches(std::size_t) const { return true; }      ///< owned particle k, of those
-  virtual Watched watched() const { return {}; }                ///< Collective.
+  virtual bool watches(std::size_t) const { return true; } ///< owned particle k, of those
+  virtual Watched watched() const { return {}; }           ///< Collective.
   /// The same damage of some owned particles.
   virtual std::vector<double> damage_of(std::span<const std::size_t> particles) const
   {

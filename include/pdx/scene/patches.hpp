@@ -38,10 +38,13 @@ PatchPlan plan_patches(const options::SceneOptions& options, mesh::MeshOptions& 
 /// particles.
 mesh::CellCost cell_cost(const PatchPlan& plan);
 
+/// Local cells whose middle a patch holds, ascending.
+std::vector<Index> cells_under(const mesh::Mesh& mesh, const couple::PatchShape& shape);
+
 /// Switches off the cells under the patches. Throws UserError if a patch leaves the mesh or cuts elements. Collective.
-/// @param frame of coordinates in messages
+/// @param frame of coordinates in messages   @param kept has covered patches that stay, and is told what others cover
 void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options,
-                 const geom::Frame& frame = {});
+                 const geom::Frame& frame = {}, Kept* kept = nullptr);
 
 /// The particles in the covered cells this rank owns, by patch and site. Collective.
 /// @param kept knows those of patches that stay; null: all are looked for

@@ -59,6 +59,8 @@ public:
   /// are those of what it changes, so that their difference is what comes or goes. Both are collective.
   virtual void foresee(const Layout&) {}
   virtual void settle() {}
+  /// Meanwhile, the rows that the change is about; nothing: all.
+  virtual std::optional<std::vector<std::array<Index, 2>>> changing_rows() const { return std::nullopt; }
   /// Another layout on the same mesh takes the place of this one. Returns what of its rows goes on as it is; nothing
   /// where all goes by name. Collective.
   virtual std::optional<Handed> change(const Layout&) { throw std::logic_error("a scene without patches that move"); }

@@ -26,8 +26,8 @@ public:
   explicit MovingSystem(field::System& system, Values known = {});
 
   field::System& system;
-  std::vector<double> u;    ///< [owned | halo] [m]
-  std::vector<double> v;    ///< owned [m/s]
+  std::vector<double> u;           ///< [owned | halo] [m]
+  std::vector<double> v;           ///< owned [m/s]
   const std::vector<double>& mass; ///< owned rows; of a set's row that of the far half, see field::Tie [kg]
   std::size_t owned() const { return v.size(); }
   std::span<const field::Tie> ties() const { return ties_; }
