@@ -36,7 +36,8 @@ std::array<double, 3> MovingSystem::momentum(std::span<const double> velocity) c
 
 namespace {
 /// Adds m v.v and m a.a of rows begin ... end, in sums that do not wait for each other.
-template <std::size_t Dim>
+/// @tparam Both false: a is not looked at
+template <std::size_t Dim, bool Both>
 void add_weighed_squares(std::span<const double> mass, const double* v, const double* a, std::size_t begin,
                          std::size_t end, double& vv, double& aa)
 {
@@ -49,7 +50,7 @@ void add_weighed_squares(std::span<const double> mass, const double* v, const do
   };
   const auto add = [&](std::size_t row, std::size_t to) {
     of_v[to] += mass[row] * square(v + row * Dim);
-    of_a[to] += mass[row] * square(a + row * Dim);
+    if constexpr (Both) of_a[to] += mass[row] * square(a + row * Dim);
   };
   std::size_t row = begin;
   for (; row + abreast <= end; row += abreast)
@@ -67,9 +68,9 @@ template <std::size_t Dim> void MovingSystem::add_squares(std::span<const double
   const Index particles = system.rows.first_particle();
   for (const auto& [first, end] : counted()) {
     const auto add = [&, this](Index from, Index to, double& vv) {
-      if (from < to)
-        add_weighed_squares<Dim>(mass, v.data(), a.data(), static_cast<std::size_t>(from), static_cast<std::size_t>(to),
-                                 vv, sums[1]);
+      if (from >= to) return;
+      const auto squares = a.empty() ? add_weighed_squares<Dim, false> : add_weighed_squares<Dim, true>;
+      squares(mass, v.data(), a.data(), static_cast<std::size_t>(from), static_cast<std::size_t>(to), vv, sums[1]);
     };
     add(first, std::min(end, particles), sums[0]);
     add(std::max(first, particles), end, sums[2]);
@@ -85,8 +86,10 @@ KineticEnergy MovingSystem::kinetic_energy(std::span<const double> a, double ste
   for (const field::Tie& t : ties_)
     for (std::size_t d = 0; d < dim; ++d) {
       const std::size_t i = static_cast<std::size_t>(t.row) * dim + d, s = static_cast<std::size_t>(t.set) * dim + d;
-      const double m = mass[static_cast<std::size_t>(t.set)], far = v[i] + t.factor * v[s], af = a[i] + t.factor * a[s];
+      const double m = mass[static_cast<std::size_t>(t.set)], far = v[i] + t.factor * v[s];
       sums[0] += m * (far * far - v[s] * v[s]);
+      if (a.empty()) continue;
+      const double af = a[i] + t.factor * a[s];
       sums[1] += m * (af * af - a[s] * a[s]);
     }
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);

@@ -61,7 +61,8 @@ std::vector<std::size_t> CrackTracker::new_ones() const
 void CrackTracker::note_new(std::span<const double> damage)
 {
   auto next = damage.begin();
-  for (const std::size_t k : new_ones()) before_[k] = *next++;
+  for (double& before : before_)
+    if (before < 0.0) before = *next++;
 }
 
 void CrackTracker::nothing_new(double time) { judge(time); }
