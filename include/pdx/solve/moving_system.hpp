@@ -98,7 +98,7 @@ public:
   void count_only(std::optional<std::vector<std::array<Index, 2>>> rows) { counted_ = std::move(rows); }
   /// Of all ranks [kg m/s]. Collective. @param v owned, as in `v`
   std::array<double, 3> momentum(std::span<const double> velocity) const;
-  /// @param a owned [m/s^2]   @param step length [s]   Collective.
+  /// @param a owned [m/s^2]; empty: `scheme` is left at 0   @param step length [s]   Collective.
   KineticEnergy kinetic_energy(std::span<const double> a, double step) const;
   /// Strain energy, and what broken bonds and damping have taken, of all ranks; the halo of u must be fresh.
   /// Collective. [J]
