@@ -112,12 +112,12 @@ LayoutChange exchanged(const SceneView& scene, const geom::Box<2>& box, bool spa
   const HeldCells held(scene, spare_held);
   std::vector<Found> elements, covered;
   std::int64_t left = 0; // covered cells outside the box
-  for (Index c = 0; c < mesh.owned_cells(); ++c)
-    left += mesh.use(c) == mesh::Use::covered && !box.contains(mesh.centroid(c));
+  for (const Index c : mesh.cells(mesh::Use::covered))
+    left += c < mesh.owned_cells() && !box.contains(mesh.centroid(c));
   MPI_Allreduce(MPI_IN_PLACE, &left, 1, MPI_INT64_T, MPI_SUM, mesh.comm());
   if (left == 0) return {}; // some patch must stay
-  for (Index c = 0; c < mesh.owned_cells(); ++c) {
-    if (!box.contains(mesh.centroid(c)) || held.has(c)) continue;
+  for (const Index c : mesh.finder().in(box)) {
+    if (c >= mesh.owned_cells() || held.has(c)) continue;
     const geom::Box<2> cell = box_of(mesh, c);
     if (mesh.use(c) == mesh::Use::covered && is_whole(scene, c))
       covered.push_back(found(mesh, c, cell, lattice.dx));

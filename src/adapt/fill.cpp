@@ -74,12 +74,11 @@ FreshRows fill_particles(const SceneView& scene, std::span<const LayoutChange::C
   const mesh::Mesh& mesh = scene.mesh;
   std::vector<geom::Box<2>> boxes;
   for (const LayoutChange::Cover& cover : covers) boxes.push_back(cover.box);
-  const NodalGradients gradients(
-      scene, [&](Index v) { return geom::hold(boxes, mesh.point(v)); }, fields);
+  const NodalGradients gradients(scene, boxes, fields);
   FreshRows fresh;
   fresh.fields.resize(fields.size());
-  for (Index c = 0; c < mesh.owned_cells(); ++c) {
-    if (mesh.use(c) == mesh::Use::covered) continue;
+  for (const Index c : mesh.finder().around(boxes)) {
+    if (c >= mesh.owned_cells() || mesh.use(c) == mesh::Use::covered) continue;
     const auto cover = std::ranges::find_if(covers, [middle = mesh.centroid(c), body = mesh.body(c)](const auto& of) {
       return of.body == body && of.box.contains(middle);
     });

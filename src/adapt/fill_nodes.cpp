@@ -48,11 +48,11 @@ FreshRows fill_nodes(const SceneView& scene, const LayoutChange& change,
   const crack::CrackSet paths(change.paths, mesh.bounds());
   const crack::CrackSet* hiding = change.paths.empty() && scene.sets ? &scene.sets->cracks() : &paths;
   const auto sides = static_cast<Eigen::Index>(2 * fields.size());
-  VertexSums sums(mesh, kEntries + static_cast<std::size_t>(kSquares * sides), [&](Index v) {
+  VertexSums sums(mesh, kEntries + static_cast<std::size_t>(kSquares * sides), change.uncover, [&](Index v) {
     return scene.node_rows[static_cast<std::size_t>(v)] < 0 && geom::hold(change.uncover, mesh.point(v));
   });
   const auto first = static_cast<std::size_t>(scene.halo.rows().first_particle());
-  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
+  for_each_particle_near(scene, change.uncover, [&](std::size_t k) {
     const pd::Particle& p = scene.particles[k];
     for (const Index v : mesh.cell(p.cell)) {
       if (!sums.wanted(v)) continue;
@@ -67,13 +67,13 @@ FreshRows fill_nodes(const SceneView& scene, const LayoutChange& change,
         right.col(s) +=
             weight * fields[static_cast<std::size_t>(s / 2)][2 * (first + k) + static_cast<std::size_t>(s % 2)] * terms;
     }
-  }
+  });
   sums.sum_up();
 
   FreshRows fresh;
   fresh.fields.resize(fields.size());
-  for (Index v = 0; v < mesh.owned_vertices(); ++v) {
-    if (!sums.wanted(v)) continue;
+  for (const Index v : sums.vertices()) {
+    if (v >= mesh.owned_vertices()) break;
     fresh.names.push_back(field::RowName::node(mesh.natural_vertex(v)));
     const Eigen::RowVectorXd value = value_at_vertex(sums.at(v), sides);
     for (std::size_t f = 0; f < fields.size(); ++f)

@@ -23,13 +23,16 @@ Vector<2> pair_at(std::span<const double> field, std::size_t k) { return {field[
 /// What a particle says of the fresh rows of the element that takes its place.
 class SetEquations {
 public:
-  SetEquations(const SceneView& scene, const Leaving& left, std::span<const double> is_new,
+  SetEquations(const SceneView& scene, const Leaving& left, std::span<const Index> is_new,
                std::span<const std::span<double>> fields)
       : scene_(scene), left_(left)
   {
     const field::Rows& rows = scene.halo.rows();
-    scene.halo.fetch(is_new, 1, is_asked_);
-    std::vector<double> loose(is_new.size(), 0.0); // of cut elements, and the only row of their node there
+    const auto owned = static_cast<std::size_t>(rows.owned());
+    std::vector<double> fresh(owned, 0.0);
+    for (const Index row : is_new) fresh[static_cast<std::size_t>(row)] = 1.0;
+    scene.halo.fetch(fresh, 1, is_asked_);
+    std::vector<double> loose(owned, 0.0); // of cut elements, and the only row of their node there
     if (scene.sets) note_loose_nodes(*scene.sets, loose);
     std::fill_n(loose.begin() + rows.nodes, rows.enriched, 1.0);
     std::vector<double> of_cracks;
@@ -124,16 +127,16 @@ Leaving leaving(const SceneView& scene, std::span<const geom::Box<2>> uncovered,
   left.fields.resize(fields.size());
   if (uncovered.empty()) return left;
   const auto first = static_cast<std::size_t>(scene.halo.rows().first_particle());
-  for (std::size_t k = 0; k < scene.particles.size(); ++k) {
+  for_each_particle_near(scene, uncovered, [&](std::size_t k) {
     const pd::Particle& p = scene.particles[k];
-    if (!geom::hold(uncovered, p.x)) continue;
+    if (!geom::hold(uncovered, p.x)) return;
     left.cells.push_back(p.cell);
     left.places.push_back(p.x);
     for (std::size_t f = 0; f < fields.size(); ++f) {
       const Vector<2> value = pair_at(fields[f], first + k);
       left.fields[f].insert(left.fields[f].end(), {value[0], value[1]});
     }
-  }
+  });
   return left;
 }
 
@@ -146,8 +149,12 @@ FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::si
   std::set<Index> beside; // vertices of cut elements: what changes around them may part their support
   for (const Index c : mesh.cells(mesh::Use::cut))
     for (const Index v : mesh.cell(c)) beside.insert(v);
-  for (Index v = 0; v < mesh.owned_vertices(); ++v) {
-    if (!beside.contains(v) && !geom::hold(change.uncover, mesh.point(v))) continue;
+  std::set<Index> asked = beside;
+  for (const Index c : mesh.finder().around(change.uncover))
+    for (const Index v : mesh.cell(c))
+      if (geom::hold(change.uncover, mesh.point(v))) asked.insert(v);
+  for (const Index v : asked) {
+    if (v >= mesh.owned_vertices()) break;
     const std::span<const xfem::EnrichedSet> known =
         scene.sets ? scene.sets->of(v) : std::span<const xfem::EnrichedSet>();
     for (int crack = 0; crack < std::max(cracks, scene.sets ? scene.sets->codes() : 0); ++crack)
@@ -158,9 +165,11 @@ FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::si
   return fresh;
 }
 
-void fit_sets(const SceneView& scene, const Leaving& left, std::span<const double> is_new,
+void fit_sets(const SceneView& scene, const Leaving& left, std::span<const Index> is_new,
               std::span<const std::span<double>> fields)
 {
+  const bool any = scene.sets && (scene.halo.rows().enriched > 0 || !scene.sets->cells().empty());
+  if (!any_rank(scene.mesh.comm(), any)) return;
   SetEquations equations(scene, left, is_new, fields);
   for (std::size_t k = 0; k < left.cells.size(); ++k) equations.add(k);
   const Together together(gather_all(scene.mesh.comm(), equations.entries()), 2 * fields.size());

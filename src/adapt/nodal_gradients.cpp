@@ -1,6 +1,7 @@
 #include "pdx/adapt/nodal_gradients.hpp"
 
 #include "pdx/base/symmetric.hpp"
+#include "pdx/geom/box_cover.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -39,8 +40,8 @@ public:
   void add_nodes()
   {
     const mesh::Mesh& mesh = scene_.mesh;
-    for (Index c = 0; c < mesh.owned_cells(); ++c) {
-      if (mesh.use(c) == mesh::Use::covered) continue;
+    for (const Index c : mesh.finder().at_any(sums_.vertices())) {
+      if (c >= mesh.owned_cells() || mesh.use(c) == mesh::Use::covered) continue;
       const auto& cell = mesh.cell(c);
       for (const Index a : cell)
         for (const Index b : cell)
@@ -128,17 +129,17 @@ private:
 };
 } // namespace
 
-NodalGradients::NodalGradients(const SceneView& scene, const std::function<bool(Index)>& wanted,
+NodalGradients::NodalGradients(const SceneView& scene, std::span<const geom::Box<2>> boxes,
                                std::span<const std::span<const double>> fields)
-    : sums_(scene.mesh, width_of(2 * fields.size()),
-            [&](Index v) { return scene.node_rows[static_cast<std::size_t>(v)] >= 0 && wanted(v); })
+    : sums_(scene.mesh, width_of(2 * fields.size()), boxes, [&](Index v) {
+        return scene.node_rows[static_cast<std::size_t>(v)] >= 0 && geom::hold(boxes, scene.mesh.point(v));
+      })
 {
   Equations equations(scene, fields, sums_);
   equations.add_nodes();
   equations.add_particles();
   sums_.sum_up();
-  for (Index v = 0; v < scene.mesh.vertices(); ++v)
-    if (sums_.wanted(v)) equations.solve(v);
+  for (const Index v : sums_.vertices()) equations.solve(v);
 }
 
 std::optional<Tensor<2>> NodalGradients::at(Index vertex, std::size_t field) const

@@ -6,13 +6,20 @@
 #include <unordered_map>
 
 namespace pdx::adapt {
-VertexSums::VertexSums(const mesh::Mesh& mesh, std::size_t width, const std::function<bool(Index)>& wanted)
+VertexSums::VertexSums(const mesh::Mesh& mesh, std::size_t width, std::span<const geom::Box<2>> boxes,
+                       const std::function<bool(Index)>& wanted)
     : mesh_(mesh), width_(width), place_(static_cast<std::size_t>(mesh.vertices()), -1)
 {
-  Index count = 0;
-  for (Index v = 0; v < mesh.vertices(); ++v)
-    if (wanted(v)) place_[static_cast<std::size_t>(v)] = count++;
-  sums_.assign(static_cast<std::size_t>(count) * width, 0.0);
+  std::vector<Index> near;
+  for (const Index c : mesh.finder().around(boxes)) near.insert(near.end(), mesh.cell(c).begin(), mesh.cell(c).end());
+  std::ranges::sort(near);
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  for (const Index v : near) {
+    if (!wanted(v)) continue;
+    place_[static_cast<std::size_t>(v)] = static_cast<Index>(vertices_.size());
+    vertices_.push_back(v);
+  }
+  sums_.assign(vertices_.size() * width, 0.0);
 }
 
 /// A list of what is near a change, not of the mesh.
@@ -23,8 +30,7 @@ void VertexSums::sum_up()
   if (ranks == 1) return;
   std::vector<double> mine; // natural number, sums
   std::unordered_map<Index, Index> vertex_of;
-  for (Index v = 0; v < mesh_.vertices(); ++v) {
-    if (!wanted(v)) continue;
+  for (const Index v : vertices_) {
     vertex_of[mesh_.natural_vertex(v)] = v;
     mine.push_back(mesh_.natural_vertex(v));
     mine.insert(mine.end(), at(v), at(v) + width_);

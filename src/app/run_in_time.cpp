@@ -170,7 +170,7 @@ private:
     balance_.leave(driver());
     mover_.leave_scene();
     if (change_.empty()) mover_.deal_out(files_.comm()); // else cells stay where they are
-    scene_.rebuild(change_, std::move(costs));
+    scene_.rebuild(change_, std::move(costs), moment);
     files_.velocity = driver().v();
     const std::optional<scene::CrackNotes> cracks = scene_.take(std::move(moment), change_);
     if (!change_.empty()) {

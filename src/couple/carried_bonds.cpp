@@ -45,7 +45,11 @@ template <int Dim> void CarriedBonds<Dim>::bind(const field::RowHalo& halo)
       for (const Index row : families_[f]->used_rows())
         if (row >= shift_->before().rows().owned()) theirs.push_back(row);
   if (!shift_) return;
-  now = shift_->local_rows(halo, theirs);
+  const auto stays = [&](Index row) { return halo.local((*shift_)(shift_->before().global(row))) == row; };
+  bool same = true;
+  for (std::size_t f = 0; f < families_.size(); ++f)
+    same = same && (!kept_[f] || std::ranges::all_of(families_[f]->used_rows(), stays));
+  if (!same) now = shift_->local_rows(halo, theirs);
   for (std::size_t f = 0; f < families_.size(); ++f)
     if (kept_[f]) families_[f]->move_rows(rows_, now, static_cast<Index>(f));
   shift_.reset();

@@ -270,7 +270,7 @@ template <int Dim> void CarriedFamily<Dim>::move_rows(const field::Rows& rows, s
   moved_to_ = patch;
   if (runs_) runs_->number(rows.owned(), patch);
   const auto at = [&now](Index row) { return now[static_cast<std::size_t>(row)]; };
-  if (std::ranges::all_of(used_, [&](Index row) { return at(row) == row; })) return;
+  if (now.empty() || std::ranges::all_of(used_, [&](Index row) { return at(row) == row; })) return;
   points_.move_rows(now);
   for (CarriedLanes<Dim>& lanes : lanes_) lanes.move_rows(now);
   if (runs_) runs_->move_rows(now);

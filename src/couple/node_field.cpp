@@ -62,49 +62,49 @@ void around(const pd::LatticePart<2>& part, const Vector<2>& x, std::vector<Inde
 
 NodeField::NodeField(const mesh::Mesh& mesh, std::span<const PetscInt> node_rows,
                      std::span<const std::unique_ptr<pd::LatticePart<2>>> parts)
-    : mesh_(mesh)
+    : mesh_(mesh), node_rows_(node_rows)
 {
-  std::vector<int> patch(static_cast<std::size_t>(mesh.vertices()), -1);
+  std::vector<std::pair<Index, int>> covered; // with their patch, of several the last
   for (const Index c : mesh.cells(mesh::Use::covered))
-    for (const Index v : mesh.cell(c)) patch[static_cast<std::size_t>(v)] = mesh.patch(c);
-
+    for (const Index v : mesh.cell(c))
+      if (v < mesh.owned_vertices() && node_rows[static_cast<std::size_t>(v)] < 0)
+        covered.emplace_back(v, mesh.patch(c));
+  std::ranges::stable_sort(covered, {}, [](const auto& at) { return at.first; });
   std::vector<std::vector<Index>> sites(parts.size()); // asked of each patch, in order of vertices
-  for (Index v = 0; v < mesh.owned_vertices(); ++v) {
-    const auto k = static_cast<std::size_t>(v);
-    if (node_rows[k] >= 0) {
-      rows_.push_back(node_rows[k]);
-      weights_.push_back(1.0);
-    } else if (patch[k] >= 0) {
-      const auto p = static_cast<std::size_t>(patch[k]);
-      around(*parts[p], mesh.point(v), sites[p], weights_);
-      rows_.resize(weights_.size(), -1);
-    }
-    offsets_.push_back(rows_.size());
+  std::vector<std::size_t> patches;
+  for (std::size_t k = 0; k < covered.size(); ++k) {
+    const auto [v, patch] = covered[k];
+    if (k + 1 < covered.size() && covered[k + 1].first == v) continue;
+    covered_.push_back(v);
+    patches.push_back(static_cast<std::size_t>(patch));
+    around(*parts[patches.back()], mesh.point(v), sites[patches.back()], weights_);
+    offsets_.push_back(weights_.size());
   }
   std::vector<std::vector<PetscInt>> answers;
   for (std::size_t p = 0; p < parts.size(); ++p) answers.push_back(parts[p]->directory().rows(sites[p]));
   std::vector<std::size_t> next(parts.size(), 0);
-  for (Index v = 0; v < mesh.owned_vertices(); ++v) {
-    const auto k = static_cast<std::size_t>(v);
+  for (std::size_t k = 0; k < covered_.size(); ++k)
     for (std::size_t at = offsets_[k]; at < offsets_[k + 1]; ++at)
-      if (rows_[at] < 0) {
-        const auto p = static_cast<std::size_t>(patch[k]);
-        rows_[at] = answers[p][next[p]++];
-      }
-  }
+      rows_.push_back(answers[patches[k]][next[patches[k]]++]);
 }
 
 void NodeField::bind(const field::RowHalo& halo)
 {
+  first_ = halo.rows().first;
   for (PetscInt& row : rows_) row = halo.local(row);
 }
 
 std::vector<double> NodeField::displacement(std::span<const double> u) const
 {
   std::vector<double> all(static_cast<std::size_t>(mesh_.vertices()) * 2, 0.0);
-  for (std::size_t v = 0; v + 1 < offsets_.size(); ++v)
+  for (Index v = 0; v < mesh_.owned_vertices(); ++v)
+    if (const PetscInt row = node_rows_[static_cast<std::size_t>(v)] - first_; row >= 0)
+      std::copy_n(u.begin() + 2 * row, 2, all.begin() + 2 * v);
+  for (std::size_t v = 0; v < covered_.size(); ++v)
     for (std::size_t k = offsets_[v]; k < offsets_[v + 1]; ++k)
-      for (std::size_t a = 0; a < 2; ++a) all[2 * v + a] += weights_[k] * u[2 * static_cast<std::size_t>(rows_[k]) + a];
+      for (std::size_t a = 0; a < 2; ++a)
+        all[2 * static_cast<std::size_t>(covered_[v]) + a] +=
+            weights_[k] * u[2 * static_cast<std::size_t>(rows_[k]) + a];
   mesh::fill_halo(mesh_, MPI_DOUBLE, 2, all.data());
   return all;
 }

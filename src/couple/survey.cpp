@@ -44,7 +44,11 @@ Surroundings::find_outside(const ElementView& scene, std::span<const Surrounding
     const Site<2>&lower = near.back().lower(), &upper = near.back().upper();
     bounds.push_back({lattice.point({lower[0] - 1, lower[1] - 1}), lattice.point(upper)});
   }
-  for (Index c = 0; c < mesh.owned_cells(); ++c) {
+  std::vector<geom::Box<2>> looked_at;
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    if (!patches[p].known_) looked_at.push_back(bounds[p]);
+  for (const Index c : mesh.finder().around(looked_at)) {
+    if (c >= mesh.owned_cells()) break;
     const auto corners = mesh.corners(c);
     const Vector<2> lower = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]).cwiseMin(corners[3]);
     const Vector<2> upper = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]).cwiseMax(corners[3]);
@@ -100,19 +104,14 @@ void Surroundings::find_edges(const ElementView& scene, std::span<const Surround
   std::vector<Index> covered;                     // by patches that are new
   for (const Index c : mesh.cells(mesh::Use::covered))
     if (!patches[static_cast<std::size_t>(mesh.patch(c))].known_) covered.push_back(c);
-  std::vector<std::uint8_t> corner(static_cast<std::size_t>(mesh.vertices()), 0); // of a covered cell
+  std::vector<Index> corners;
   for (const Index c : covered)
     for (std::size_t a = 0; a < 4; ++a) {
       behind[key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])] = -1;
-      corner[static_cast<std::size_t>(mesh.cell(c)[a])] = 1;
+      corners.push_back(mesh.cell(c)[a]);
     }
-  const auto beside = [&](Index c) {
-    int corners = 0;
-    for (const Index v : mesh.cell(c)) corners += corner[static_cast<std::size_t>(v)];
-    return corners > 1;
-  };
-  for (Index c = 0; c < mesh.cells(); ++c)
-    for (std::size_t a = 0; a < 4 && mesh.use(c) != mesh::Use::covered && beside(c); ++a)
+  for (const Index c : mesh.finder().at_any(corners))
+    for (std::size_t a = 0; a < 4 && mesh.use(c) != mesh::Use::covered; ++a)
       if (const auto edge = behind.find(key(mesh.cell(c)[a], mesh.cell(c)[(a + 1) % 4])); edge != behind.end())
         edge->second = c;
   for (const Index c : covered) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <tuple>
 
@@ -10,7 +11,7 @@ namespace {
 /// A run of one element.
 struct Candidate {
   RectangleRun run;
-  std::size_t element;
+  Index element;
   double tolerance; ///< of its sides, from rounding of places [m]
 };
 
@@ -50,71 +51,169 @@ bool follows(const RectangleRun& a, const Candidate& b)
          std::abs(a.across - b.run.across) <= b.tolerance;
 }
 
-/// Takes the runs of at least `shortest` elements; the others' numbers stay in `rest`, in order.
-std::vector<RectangleRun> take_runs(std::span<const ElementSweep::Element> elements, Index owned, Index shortest,
-                                    std::vector<std::size_t>& rest)
-{
-  std::vector<Candidate> candidates;
-  std::vector<std::size_t> others;
-  candidates.reserve(rest.size());
-  for (const std::size_t k : rest)
-    if (auto found = candidate_of(elements[k], owned)) {
-      found->element = k;
-      candidates.push_back(*found);
-    } else
-      others.push_back(k);
-  const auto order = [](const Candidate& c) { return std::tuple(c.run.first, c.element); };
-  if (!std::ranges::is_sorted(candidates, {}, order)) std::ranges::sort(candidates, {}, order);
-  std::vector<RectangleRun> runs;
-  for (std::size_t begin = 0, end = 0; begin < candidates.size(); begin = end) {
-    RectangleRun run = candidates[begin].run;
-    for (end = begin + 1; end < candidates.size() && follows(run, candidates[end]); ++end) ++run.elements;
-    if (run.elements >= shortest)
-      runs.push_back(run);
-    else
-      for (std::size_t k = begin; k < end; ++k) others.push_back(candidates[k].element);
-  }
-  std::ranges::sort(others);
-  rest = std::move(others);
-  return runs;
-}
+bool holds(std::span<const Index> numbers, Index number) { return std::ranges::binary_search(numbers, number); }
 
-QuadBlocks blocks_of(std::span<const ElementSweep::Element> elements, std::span<const std::size_t> chosen,
-                     Processor processor)
+QuadBlocks blocks_of(std::span<const ElementSweep::Element> elements, Processor processor)
 {
   std::vector<Corners> corners;
   std::vector<std::array<Index, 4>> rows;
-  for (const std::size_t k : chosen) {
-    corners.push_back(elements[k].corners);
-    rows.push_back(elements[k].rows);
+  for (const ElementSweep::Element& element : elements) {
+    corners.push_back(element.corners);
+    rows.push_back(element.rows);
   }
   return quad_blocks(processor, corners, rows);
 }
 } // namespace
 
+/// Elements that are to be sorted, and which runs gave theirs up.
+struct ElementSweep::Pool {
+  std::vector<Index> elements;
+  std::vector<std::uint8_t> opened; // per run
+
+  void take(const std::vector<Index>& members, std::size_t run)
+  {
+    elements.insert(elements.end(), members.begin(), members.end());
+    opened[run] = 1;
+  }
+};
+
 ElementSweep::ElementSweep(const law::Elastic& law, Kinematics kinematics, std::span<const Element> elements,
                            Index owned, Processor processor)
-    : law_(law), kinematics_(kinematics), processor_(processor)
+    : law_(law), kinematics_(kinematics), processor_(processor), owned_(owned)
 {
-  const Index shortest = std::max(2, lanes_of(processor) / 2); // fewer are faster in lanes, together with others
+  std::vector<Index> all(elements.size());
+  std::iota(all.begin(), all.end(), Index{0});
+  *this = ElementSweep(
+      law, kinematics, all, [&](Index k) { return elements[static_cast<std::size_t>(k)]; }, owned, processor);
+}
+
+ElementSweep::ElementSweep(const law::Elastic& law, Kinematics kinematics, std::span<const Index> numbers,
+                           const Source& element, Index owned, Processor processor)
+    : law_(law), kinematics_(kinematics), processor_(processor), owned_(owned)
+{
   for (const bool counted : {true, false}) {
-    Part part{counted, {}, {}};
-    std::vector<std::size_t> rest;
-    rest.reserve(elements.size());
-    for (std::size_t k = 0; k < elements.size(); ++k)
-      if (elements[k].counted == counted) rest.push_back(k);
-    part.runs = take_runs(elements, owned, shortest, rest);
-    const auto inside = [&](std::size_t k) {
-      return std::ranges::all_of(elements[k].rows, [&](Index row) { return row < owned; });
-    };
-    const auto border = std::stable_partition(rest.begin(), rest.end(), inside);
-    for (const bool is_inside : {true, false}) {
-      const auto chosen = is_inside ? std::span(rest.begin(), border) : std::span(border, rest.end());
-      if (chosen.empty()) continue;
-      part.blocks.push_back(blocks_of(elements, chosen, processor));
-      part.blocks.back().inside = is_inside;
-    }
+    Part part{counted, {}, {}, {}, {}};
+    Pool pool;
+    for (const Index number : numbers)
+      if (element(number).counted == counted) pool.elements.push_back(number);
+    lay(part, std::move(pool), element);
     parts_.push_back(std::move(part));
+  }
+}
+
+void ElementSweep::change(const Change& change, const Source& element)
+{
+  owned_ = change.owned;
+  for (Part& part : parts_) {
+    Pool pool = open(part, change);
+    for (const Index number : change.entering)
+      if (element(number).counted == part.counted) pool.elements.push_back(number);
+    std::ranges::sort(pool.elements);
+    const bool was_crowded = part.crowded;
+    lay(part, std::move(pool), element);
+    if (part.crowded && !was_crowded) {
+      Pool all{part.rest, std::vector<std::uint8_t>(part.runs.size(), 0)};
+      for (std::size_t k = 0; k < part.runs.size(); ++k) all.take(part.members[k], k);
+      std::ranges::sort(all.elements);
+      lay(part, std::move(all), element);
+    }
+  }
+}
+
+/// All that changes or is in no run; what stays in a run is numbered.
+ElementSweep::Pool ElementSweep::open(Part& part, const Change& change) const
+{
+  Pool pool{{}, std::vector<std::uint8_t>(part.runs.size(), 0)};
+  const auto now = [&](Index row) { return change.rows.empty() ? row : change.rows[static_cast<std::size_t>(row)]; };
+  for (std::size_t k = 0; k < part.runs.size(); ++k) {
+    RectangleRun& run = part.runs[k];
+    const auto [least, most] = std::ranges::minmax(part.members[k]);
+    const auto next = std::ranges::lower_bound(change.leaving, least);
+    bool stays = !part.crowded && (next == change.leaving.end() || *next > most);
+    for (Index& first : run.first) {
+      const Index to = now(first);
+      stays = stays && to >= 0 && now(first + run.elements) == to + run.elements;
+      first = to;
+    }
+    if (!stays) pool.take(part.members[k], k);
+  }
+  pool.elements.insert(pool.elements.end(), part.rest.begin(), part.rest.end());
+  std::erase_if(pool.elements, [&](Index number) { return holds(change.leaving, number); });
+  return pool;
+}
+
+/// Runs of all that is open, together with those that it goes on in.
+void ElementSweep::lay(Part& part, Pool pool, const Source& element) const
+{
+  const Index shortest = std::max(2, lanes_of(processor_) / 2); // fewer are faster in lanes, together with others
+  std::vector<Candidate> candidates;
+  part.rest.clear();
+  const auto look = [&](Index number) {
+    if (auto found = candidate_of(element(number), owned_)) {
+      found->element = number;
+      candidates.push_back(*found);
+    } else
+      part.rest.push_back(number);
+  };
+  const auto open_run = [&](std::size_t run) {
+    if (pool.opened[run]) return;
+    pool.opened[run] = 1;
+    for (const Index number : part.members[run]) look(number);
+  };
+  candidates.reserve(pool.elements.size());
+  for (const Index number : pool.elements) look(number);
+  const auto first = [](const RectangleRun& run) { return run.first[0]; };
+  if (std::ranges::find(pool.opened, std::uint8_t{0}) != pool.opened.end()) // some are laid already
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      const Index row = candidates[k].run.first[0];
+      const auto after =
+          static_cast<std::size_t>(std::ranges::upper_bound(part.runs, row, {}, first) - part.runs.begin());
+      if (after < part.runs.size() && part.runs[after].first[0] == row + 1) open_run(after);
+      if (after > 0 && part.runs[after - 1].first[0] + part.runs[after - 1].elements >= row) open_run(after - 1);
+    }
+  const auto order = [](const Candidate& c) { return std::tuple(c.run.first, c.element); };
+  if (!std::ranges::is_sorted(candidates, {}, order)) std::ranges::sort(candidates, {}, order);
+  part.crowded = part.crowded || std::ranges::adjacent_find(candidates, {}, [](const Candidate& c) {
+                                   return c.run.first[0];
+                                 }) != candidates.end();
+  std::vector<std::pair<RectangleRun, std::vector<Index>>> laid;
+  for (std::size_t k = 0; k < part.runs.size(); ++k)
+    if (!pool.opened[k]) laid.emplace_back(part.runs[k], std::move(part.members[k]));
+  for (std::size_t begin = 0, end = 0; begin < candidates.size(); begin = end) {
+    RectangleRun run = candidates[begin].run;
+    for (end = begin + 1; end < candidates.size() && follows(run, candidates[end]); ++end) ++run.elements;
+    std::vector<Index> members;
+    for (std::size_t k = begin; k < end; ++k) members.push_back(candidates[k].element);
+    if (run.elements >= shortest)
+      laid.emplace_back(run, std::move(members));
+    else
+      part.rest.insert(part.rest.end(), members.begin(), members.end());
+  }
+  std::ranges::sort(laid, {}, [](const auto& run) { return std::tuple(run.first.first, run.second.front()); });
+  part.runs.clear();
+  part.members.clear();
+  for (auto& [run, members] : laid) {
+    part.runs.push_back(run);
+    part.members.push_back(std::move(members));
+  }
+  std::ranges::sort(part.rest);
+  fill_blocks(part, element);
+}
+
+void ElementSweep::fill_blocks(Part& part, const Source& element) const
+{
+  std::vector<Element> inside, border;
+  for (const Index number : part.rest) {
+    const Element of = element(number);
+    const bool is_inside = std::ranges::all_of(of.rows, [&](Index row) { return row < owned_; });
+    (is_inside ? inside : border).push_back(of);
+  }
+  part.blocks.clear();
+  for (const bool is_inside : {true, false}) {
+    const std::vector<Element>& chosen = is_inside ? inside : border;
+    if (chosen.empty()) continue;
+    part.blocks.push_back(blocks_of(chosen, processor_));
+    part.blocks.back().inside = is_inside;
   }
 }
 

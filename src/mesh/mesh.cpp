@@ -4,6 +4,8 @@
 
 namespace pdx::mesh {
 namespace {
+constexpr std::size_t kFew = 16; // cells that lists are told of one by one
+
 MPI_Comm comm_of(const DmHandle& plex)
 {
   MPI_Comm comm = MPI_COMM_NULL;
@@ -45,32 +47,59 @@ std::vector<std::string> Mesh::boundary_names() const
 void Mesh::cover(Index c, int patch)
 {
   PDX_ASSERT(patch >= 0);
-  use_[static_cast<std::size_t>(c)] = Use::covered;
+  set_use(c, Use::covered);
   patch_[static_cast<std::size_t>(c)] = patch;
-  lists_current_ = false;
+}
+
+void Mesh::uncover(Index c)
+{
+  set_use(c, uncovered_[static_cast<std::size_t>(c)]);
+  patch_[static_cast<std::size_t>(c)] = -1;
+}
+
+void Mesh::set_use(Index c, Use use)
+{
+  Use& now = use_[static_cast<std::size_t>(c)];
+  if (listed_ && now != use) unlisted_.emplace_back(c, now);
+  if (unlisted_.size() > kFew) listed_ = false;
+  if (!listed_) unlisted_.clear();
+  now = use;
 }
 
 void Mesh::cut(Index c)
 {
   PDX_ASSERT(use(c) == Use::plain);
-  use_[static_cast<std::size_t>(c)] = Use::cut;
-  lists_current_ = false;
+  set_use(c, Use::cut);
 }
 
 void Mesh::set_body(Index c, Index body, bool points)
 {
   body_[static_cast<std::size_t>(c)] = body;
   use_[static_cast<std::size_t>(c)] = uncovered_[static_cast<std::size_t>(c)] = points ? Use::points : Use::plain;
-  lists_current_ = false;
+  listed_ = false;
+}
+
+const CellFinder& Mesh::finder() const
+{
+  if (!finder_) finder_.emplace(arrays_.cells, arrays_.points);
+  return *finder_;
 }
 
 std::span<const Index> Mesh::cells(Use wanted) const
 {
-  if (!lists_current_) {
+  if (!listed_) {
     for (auto& list : lists_) list.clear();
     for (Index c = 0; c < cells(); ++c) lists_[static_cast<std::size_t>(use(c))].push_back(c);
-    lists_current_ = true;
+    listed_ = true;
   }
+  for (const auto& [c, before] : unlisted_) { // the first word on a cell is what lists know
+    std::vector<Index>&from = lists_[static_cast<std::size_t>(before)], &to = lists_[static_cast<std::size_t>(use(c))];
+    const auto at = std::ranges::lower_bound(from, c);
+    if (at == from.end() || *at != c || before == use(c)) continue;
+    from.erase(at);
+    to.insert(std::ranges::lower_bound(to, c), c);
+  }
+  unlisted_.clear();
   return lists_[static_cast<std::size_t>(wanted)];
 }
 
@@ -78,6 +107,6 @@ void Mesh::uncover()
 {
   use_ = uncovered_;
   std::fill(patch_.begin(), patch_.end(), -1);
-  lists_current_ = false;
+  listed_ = false;
 }
 } // namespace pdx::mesh

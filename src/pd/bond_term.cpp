@@ -205,15 +205,28 @@ template <int Dim> void BondTerm<Dim>::add_mass(std::span<double> mass) const
           part->stencil().volume() * part->density(static_cast<Index>(k));
 }
 
+template <int Dim> void BondTerm<Dim>::add_mass_in(field::RowRanges wanted, std::span<double> mass) const
+{
+  for (const auto& part : parts_)
+    for (const auto& [first, end] : wanted) {
+      const Index begin = part->first_row(), last = std::min(end, begin + static_cast<Index>(part->sites().size()));
+      for (Index row = std::max(first, begin); row < last; ++row)
+        mass[static_cast<std::size_t>(row)] += part->stencil().volume() * part->density(row - begin);
+    }
+}
+
 template <int Dim> void BondTerm<Dim>::add_stiffness_bound(std::span<double> blocks) const
 {
   constexpr std::size_t size = Dim * Dim;
-  std::vector<double> diagonal(blocks.size(), 0.0);
+  std::unique_ptr<double[]> diagonal; // by rows, of which those of new parts are looked at
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     if (is_kept(p)) continue;
-    diagonal_blocks<Dim>(parts_[p]->view(scratch_[p]), parts_[p]->force_runs(), diagonal.data());
-    const auto first = static_cast<std::size_t>(parts_[p]->first_row()) * size;
-    for (std::size_t k = first; k < first + parts_[p]->sites().size() * size; ++k) blocks[k] += 2.0 * diagonal[k];
+    if (!diagonal) diagonal = std::make_unique_for_overwrite<double[]>(blocks.size());
+    const std::size_t first = static_cast<std::size_t>(parts_[p]->first_row()) * size,
+                      end = first + parts_[p]->sites().size() * size;
+    std::fill(&diagonal[0] + first, &diagonal[0] + end, 0.0);
+    diagonal_blocks<Dim>(parts_[p]->view(scratch_[p]), parts_[p]->force_runs(), diagonal.get());
+    for (std::size_t k = first; k < end; ++k) blocks[k] += 2.0 * diagonal[k];
   }
 }
 

@@ -220,14 +220,20 @@ template <int Dim> BondFactors<Dim> LatticePart<Dim>::take_factors(const Site<Di
   return correction_({where_.lattice, lower, extent, &where_.active});
 }
 
+template <int Dim> std::vector<std::pair<Index, std::array<std::uint64_t, 2>>> LatticePart<Dim>::torn() const
+{
+  std::vector<std::pair<Index, std::array<std::uint64_t, 2>>> found;
+  for (const Run& run : segments_)
+    for (Index k = 0; k < run.length; ++k)
+      if (const Index number = run.row - first_row_ + k; traits_[static_cast<std::size_t>(run.at + k)] & kLost)
+        found.emplace_back(number, gone_of(number));
+  return found;
+}
+
 template <int Dim> std::vector<std::uint64_t> LatticePart<Dim>::gone() const
 {
   std::vector<std::uint64_t> words(2 * sites_.size(), 0);
-  for (const Run& run : segments_)
-    for (Index k = 0; k < run.length; ++k)
-      if (traits_[static_cast<std::size_t>(run.at + k)] & kLost)
-        std::ranges::copy(gone_of(run.row - first_row_ + k),
-                          words.begin() + 2 * (std::ptrdiff_t{run.row} - first_row_ + k));
+  for (const auto& [number, of] : torn()) std::ranges::copy(of, words.begin() + 2 * std::ptrdiff_t{number});
   return words;
 }
 

@@ -78,7 +78,7 @@ void CrackWatch::look(double time, std::int64_t bonds_broken)
 
 void CrackWatch::note_new()
 {
-  if (tracker_.has_new()) tracker_.note_new(part_.watched().damage);
+  if (tracker_.has_new()) tracker_.note_new(part_.damage_of(tracker_.new_ones()));
 }
 
 std::optional<scene::CrackNotes> CrackWatch::notes() const

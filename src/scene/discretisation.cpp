@@ -10,25 +10,29 @@
 #include "pdx/scene/heat.hpp"
 #include "pdx/scene/mixed_points.hpp"
 #include "pdx/scene/support.hpp"
+#include "pdx/solve/stable_step.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <numeric>
 
 namespace pdx::scene {
 namespace {
-void cut_cells(mesh::Mesh& mesh, const options::SceneOptions& options, const PatchPlan& plan, Discretisation& d)
+void cut_cells(mesh::Mesh& mesh, const options::SceneOptions& options, const PatchPlan& plan, Discretisation& d,
+               Kept* kept)
 {
   d.body = options.mesh.file.empty() ? plan.body : mesh.bounds();
   judge_no_fail(options, d.body);
   if (options.cracks.lines.empty()) return;
   d.cracks = cracks_in(options, d.body);
-  d.sets = std::make_unique<xfem::EnrichedSets>(mesh, d.cracks, options.cracks.rule, options.frame);
+  if (kept) d.sets = kept->sets(mesh, d.cracks);
+  if (!d.sets) d.sets = std::make_unique<xfem::EnrichedSets>(mesh, d.cracks, options.cracks.rule, options.frame);
   d.cut = &d.sets->report();
 }
 
 /// Nodes that touch an element have a row; those inside a patch have none.
-void number_rows(const mesh::Mesh& mesh, bool with_points, Discretisation& d)
+void find_nodes(const mesh::Mesh& mesh, bool with_points, Discretisation& d)
 {
   std::vector<std::uint8_t> active(static_cast<std::size_t>(mesh.vertices()), 0);
   for (const mesh::Use use : {mesh::Use::plain, mesh::Use::cut, mesh::Use::points})
@@ -38,25 +42,56 @@ void number_rows(const mesh::Mesh& mesh, bool with_points, Discretisation& d)
     if (active[static_cast<std::size_t>(v)]) d.nodes.push_back(v);
   if (with_points) // rows of a line of the grid follow each other
     std::ranges::sort(d.nodes, {}, [&mesh](Index v) { return mesh.natural_vertex(v); });
+  d.node_rows.assign(static_cast<std::size_t>(mesh.vertices()), -1);
+}
+
+/// Of an owned row.
+Vector<2> place_of(const mesh::Mesh& mesh, const Discretisation& d, Index row)
+{
+  const field::Rows& rows = d.system.rows;
+  if (row < rows.nodes) return mesh.point(d.nodes[static_cast<std::size_t>(row)]);
+  if (row < rows.first_particle()) return mesh.point(d.sets->vertices()[static_cast<std::size_t>(row - rows.nodes)]);
+  return d.particles[static_cast<std::size_t>(row - rows.first_particle())].x;
+}
+
+void place_rows(const mesh::Mesh& mesh, std::span<const Index> rows, Discretisation& d)
+{
+  for (const Index row : rows) {
+    const Vector<2> x = place_of(mesh, d, row);
+    std::copy_n(x.data(), 2, d.system.coordinates.begin() + 2 * std::ptrdiff_t{row});
+  }
+}
+
+/// How far around patches sites are looked at.
+Index band_of(const PatchPlan& plan)
+{
+  Index band = 0;
+  for (const auto& stencil : plan.stencils) band = std::max(band, stencil.reach + pd::family_reach<2>(stencil));
+  return band;
+}
+
+void number_rows(const mesh::Mesh& mesh, const PatchPlan& plan, bool with_points, Discretisation& d, Kept* kept)
+{
+  if (kept)
+    d.nodes = kept->nodes(mesh, d.node_rows);
+  else
+    find_nodes(mesh, with_points, d);
   field::System& system = d.system;
   system.rows = field::Rows::number(mesh.comm(), 2, static_cast<Index>(d.nodes.size()), d.sets ? d.sets->owned() : 0,
                                     static_cast<Index>(d.particles.size()));
-  d.node_rows.assign(static_cast<std::size_t>(mesh.vertices()), -1);
   for (std::size_t k = 0; k < d.nodes.size(); ++k)
     d.node_rows[static_cast<std::size_t>(d.nodes[k])] = system.rows.first + static_cast<PetscInt>(k);
   mesh::fill_halo(mesh, MPIU_INT, 1, d.node_rows.data());
-  system.coordinates.resize(2 * static_cast<std::size_t>(system.rows.owned()));
-  double* next = system.coordinates.data();
-  const auto place = [&next](const Vector<2>& x) {
-    *next++ = x[0];
-    *next++ = x[1];
-  };
-  for (const Index v : d.nodes) place(mesh.point(v));
-  if (d.sets) {
-    d.sets->number(system.rows.first + system.rows.nodes);
-    for (const Index v : d.sets->vertices()) place(mesh.point(v));
+  if (d.sets) d.sets->number(system.rows.first + system.rows.nodes);
+  if (kept) {
+    kept->number(d, mesh, band_of(plan));
+    system.coordinates = kept->coordinates();
+    return place_rows(mesh, kept->rows().coming(), d);
   }
-  for (const pd::Particle& p : d.particles) place(p.x);
+  std::vector<Index> all(static_cast<std::size_t>(system.rows.owned()));
+  std::iota(all.begin(), all.end(), Index{0});
+  system.coordinates.resize(2 * all.size());
+  place_rows(mesh, all, d);
 }
 
 /// Behind a layer of held particles the body is meant to go on: its particles keep complete families, as the layer
@@ -185,12 +220,9 @@ void add_peridynamics(const mesh::Mesh& mesh, const options::SceneOptions& optio
                       Discretisation& d, bool assembled, Kept* kept)
 {
   refuse_other_shapes(options, plan);
-  Index band = 0;
-  for (const auto& stencil : plan.stencils) band = std::max(band, stencil.reach + pd::family_reach<2>(stencil));
   d.seams = seams_of(mesh, options, plan);
-  if (kept) kept->number(d, band);
   d.around =
-      couple::Surroundings::survey(mesh, plan.shapes, band, d.node_rows, d.sets.get(),
+      couple::Surroundings::survey(mesh, plan.shapes, band_of(plan), d.node_rows, d.sets.get(),
                                    d.seams.empty() ? nullptr : &d.seams, options.scheme != couple::Scheme::energy,
                                    kept ? kept->around() : std::vector<std::optional<couple::Surroundings>>{});
   refuse_coarse_patches(options, plan, d);
@@ -226,11 +258,14 @@ const law::Regions* laws_of(const options::SceneOptions& options)
 }
 
 void add_elements(const mesh::Mesh& mesh, const options::SceneOptions& options, const fem::CornerAreas* areas,
-                  Discretisation& d)
+                  Discretisation& d, Kept* kept)
 {
   if (any_rank(mesh.comm(), !mesh.cells(mesh::Use::plain).empty())) {
-    auto elements = std::make_unique<fem::ElasticTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows,
-                                                       laws_of(options), areas);
+    std::unique_ptr<fem::ElasticTerm> elements;
+    if (kept) elements = kept->elements(mesh, d.node_rows);
+    if (!elements)
+      elements = std::make_unique<fem::ElasticTerm>(mesh, options.elastic, options.element_kinematics(), d.node_rows,
+                                                    laws_of(options), areas);
     d.elements = elements.get();
     d.system.terms.push_back(std::move(elements));
   }
@@ -251,13 +286,13 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   Discretisation& d = *result;
   d.particles = std::move(particles);
   d.patch_plan = &plan;
-  cut_cells(mesh, options, plan, d);
-  number_rows(mesh, points != nullptr, d);
+  cut_cells(mesh, options, plan, d, kept);
+  number_rows(mesh, plan, points != nullptr, d, kept);
   field::System& system = d.system;
   system.scale = options.elastic.young * options.elastic.thickness;
   for (std::size_t k = 1; options.regions && k < options.regions->count(); ++k)
     system.scale = std::max(system.scale, options.regions->elastic(k).young * options.regions->elastic(k).thickness);
-  add_elements(mesh, options, areas, d);
+  add_elements(mesh, options, areas, d, kept);
   if (points) add_points(mesh, options, plan, *points, d);
   if (!plan.shapes.empty() || options.converts()) add_peridynamics(mesh, options, plan, d, assembled, kept);
   if (points) add_bodies(mesh, options, d);
@@ -269,6 +304,10 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   system.bind(d.node_field->needed_rows());
   system.swelling = swelling_of(options);
   d.node_field->bind(*system.halo);
+  if (kept) {
+    kept->give_mass(system);
+    solve::know_mass(system, kept->near(d, mesh));
+  }
   d.parts.push_back(mesh_part(mesh, d));
   if (d.bonds) d.parts.push_back(patch_part(mesh, d));
   if (points) {

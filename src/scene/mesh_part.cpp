@@ -6,6 +6,8 @@
 #include "pdx/scene/heat.hpp"
 #include "pdx/xfem/cut_output.hpp"
 
+#include <algorithm>
+
 namespace pdx::scene {
 namespace {
 field::OutputField stress_field(const std::vector<double>& stress)
@@ -40,6 +42,16 @@ public:
         if (set.row == row) names.push_back(field::RowName::set(mesh_.natural_vertex(v), set.crack));
       ++row;
     }
+  }
+
+  field::RowName row_name(Index row) const override
+  {
+    const field::Rows& rows = d_.system.rows;
+    if (row < rows.nodes) return field::RowName::node(mesh_.natural_vertex(d_.nodes[static_cast<std::size_t>(row)]));
+    if (row >= rows.first_particle()) return {};
+    const Index v = d_.sets->vertices()[static_cast<std::size_t>(row - rows.nodes)];
+    const auto of = std::ranges::find(d_.sets->of(v), rows.first + row, &xfem::EnrichedSet::row);
+    return field::RowName::set(mesh_.natural_vertex(v), of->crack);
   }
 
   void add_energies(std::span<const double> local, post::Energies& mine) const override

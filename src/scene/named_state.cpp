@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <numeric>
 #include <stdexcept>
 
 namespace pdx::scene {
@@ -67,6 +68,18 @@ std::span<const field::RowName> names_with_words(const Standing& scene, const Sc
   return names.particles().first(scene.model->breaks() ? names.particles().size() : 0);
 }
 
+void add_carried(const Standing& scene, NamedState& state)
+{
+  if (!carries_bonds(*scene.model)) return;
+  std::vector<std::uint64_t> mine;
+  for (const auto& part : scene.model->parts) {
+    const std::vector<std::uint64_t> more = part->broken_carried();
+    mine.insert(mine.end(), more.begin(), more.end());
+  }
+  state.carried = gather_all(scene.model->system.rows.comm, mine);
+  std::ranges::sort(*state.carried);
+}
+
 NamedState what_is_owned(const Standing& scene, const SceneNames& names)
 {
   const field::System& system = scene.model->system;
@@ -77,14 +90,7 @@ NamedState what_is_owned(const Standing& scene, const SceneNames& names)
   if (!scene.model->breaks()) return state;
   state.words_per_particle = words_per_particle(*scene.model);
   state.gone = gone_in(*scene.model);
-  if (!carries_bonds(*scene.model)) return state;
-  std::vector<std::uint64_t> mine;
-  for (const auto& part : scene.model->parts) {
-    const std::vector<std::uint64_t> more = part->broken_carried();
-    mine.insert(mine.end(), more.begin(), more.end());
-  }
-  state.carried = gather_all(system.rows.comm, mine);
-  std::ranges::sort(*state.carried);
+  add_carried(scene, state);
   return state;
 }
 } // namespace
@@ -109,6 +115,42 @@ NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const
   return state;
 }
 
+NamedState capture_around(const Standing& scene)
+{
+  NamedState state;
+  state.dim = scene.model->system.rows.dim;
+  state.in_time = true;
+  if (scene.model->breaks()) {
+    state.words_per_particle = words_per_particle(*scene.model);
+    add_carried(scene, state);
+  }
+  if (scene.model->touching) state.grips = scene.model->touching->grips();
+  return state;
+}
+
+void add_leaving(NamedState& state, const Standing& now, const Handed& handed, Passing& before)
+{
+  const field::StayingRows& stay = handed.rows;
+  const std::vector<Index> leaving = stay.leaving();
+  state.rows = stay.names;
+  state.moving.u = field::values_of(leaving, before.values.u, state.dim);
+  state.moving.v = field::values_of(leaving, before.values.v, state.dim);
+  for (const field::RowName name : stay.names)
+    if (name.kind() == field::RowName::Kind::particle) state.particles.push_back(name);
+  if (state.words_per_particle > 0) state.gone = handed.gone;
+  stay.carry(before.values.u, state.dim);
+  stay.carry(before.values.v, state.dim);
+  if (!before.cracks) return;
+  NamedCracks& cracks = state.cracks.emplace();
+  std::vector<double>& damage = before.cracks->tracker.damage;
+  cracks.damage.assign(state.particles.size(), -1.0);
+  if (damage.empty()) return;
+  const field::Rows& rows = now.model->system.rows;
+  const field::StayingRows particles = stay.behind(before.first_particle, rows.first_particle());
+  cracks.damage = field::values_of(particles.leaving(), damage, 1);
+  particles.carry(damage, 1);
+}
+
 void add_rows(NamedState& state, const adapt::FreshRows& fresh)
 {
   state.rows.insert(state.rows.end(), fresh.names.begin(), fresh.names.end());
@@ -126,6 +168,15 @@ void add_rows(NamedState& state, const adapt::FreshRows& fresh)
 }
 
 namespace {
+/// Those that the state is about.
+std::vector<Index> rows_of(const Standing& scene, const field::StayingRows* stay)
+{
+  if (stay) return stay->coming();
+  std::vector<Index> all(static_cast<std::size_t>(scene.model->system.rows.owned()));
+  std::iota(all.begin(), all.end(), Index{0});
+  return all;
+}
+
 /// What a run has named itself has no name twice.
 field::RowMove::Wanted wanted_of(StateMove::From from)
 {
@@ -133,8 +184,9 @@ field::RowMove::Wanted wanted_of(StateMove::From from)
 }
 } // namespace
 
-StateMove::StateMove(const NamedState& state, const Standing& scene, From from)
-    : state_(state), scene_(scene), changed_(from == From::changed), names_(scene),
+StateMove::StateMove(const NamedState& state, const Standing& scene, From from, const field::StayingRows* stay)
+    : state_(state), scene_(scene), changed_(from == From::changed), coming_(rows_of(scene, stay)),
+      names_(stay ? SceneNames(scene, coming_) : SceneNames(scene)),
       rows_(scene.model->system.rows.comm, state.rows, names_.rows(), wanted_of(from)),
       particles_(scene.model->system.rows.comm, state.particles, names_with_words(scene, names_), wanted_of(from)),
       misfit_(misfit_of())
@@ -174,11 +226,15 @@ std::vector<double> StateMove::rows(std::span<const double> values, int componen
   return rows_.carry(values, components);
 }
 
-std::vector<double> StateMove::came_after(std::size_t known) const
+std::vector<Index> StateMove::came_after(std::size_t known) const
 {
   std::vector<double> after(state_.rows.size(), 1.0);
   std::fill_n(after.begin(), known, 0.0);
-  return rows(after, 1);
+  const std::vector<double> came = rows(after, 1);
+  std::vector<Index> found;
+  for (std::size_t k = 0; k < came.size(); ++k)
+    if (came[k] > 0.0) found.push_back(coming_[k]);
+  return found;
 }
 
 void StateMove::break_bonds() const
@@ -195,6 +251,7 @@ void StateMove::break_bonds() const
     broken.torn.push_back(state_.particles[k]);
     broken.torn_words.insert(broken.torn_words.end(), words.begin(), words.end());
   }
+  for (const auto& part : scene_.model->parts) part->add_torn(broken);
   for (const auto& part : scene_.model->parts)
     if (part->words_per_particle() > 0) part->break_bonds(broken);
 }
@@ -235,6 +292,15 @@ field::State StateMove::moving() const
   }
   if (const auto& steps = scene_.model->system.steps) to.inner = rows(from.inner, steps->width());
   return to;
+}
+
+void StateMove::place_damage(std::vector<double>& damage) const
+{
+  if (!state_.cracks || damage.empty()) return;
+  const std::vector<double> of = particles_.carry(state_.cracks->damage, 1);
+  const Index first = scene_.model->system.rows.first_particle();
+  auto row = coming_.end() - static_cast<std::ptrdiff_t>(of.size());
+  for (const double value : of) damage[static_cast<std::size_t>(*row++ - first)] = value;
 }
 
 std::optional<CrackNotes> StateMove::cracks() const

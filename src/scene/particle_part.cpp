@@ -155,12 +155,9 @@ template <int Dim> void ParticlePart<Dim>::break_bonds(const BrokenBonds& broken
 {
   auto next = broken.mine.begin();
   for (std::size_t p = 0; p < bonds_.parts().size(); ++p) {
+    if (bonds_.is_kept(p)) continue; // knows
     const auto& part = *bonds_.parts()[p];
     const auto end = next + std::ssize(part.sites()) * broken.width;
-    if (bonds_.is_kept(p)) { // knows
-      next = end;
-      continue;
-    }
     std::vector<field::RowName> others; // the words of other ranks' particles too
     for (const Index site : part.halo_sites()) others.push_back(name(p, site));
     std::vector<std::uint64_t> words(next, end);

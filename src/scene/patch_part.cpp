@@ -34,23 +34,18 @@ public:
       : ParticlePart<2>(d, *d.bonds, d.carried), mesh_(mesh), d_(d), plan_(*d.patch_plan)
   {}
 
-  /// Sites that follow each other in a run have names that do.
   void add_names(std::vector<field::RowName>& names) const override
   {
     names.reserve(names.size() + model_.particles.size());
-    for (std::size_t p = 0; p < bonds_.parts().size(); ++p) {
-      const couple::PatchShape& shape = plan_.shapes[p];
-      const auto step = static_cast<std::uint64_t>(shape.names.lattices); // from one name of a run to the next
-      const std::span<const Index> sites = bonds_.parts()[p]->sites();
-      for (std::size_t k = 0; k < sites.size();) {
-        const Site<2> at = shape.active.site(sites[k]);
-        const std::uint64_t first = shape.names.of(at);
-        const auto run = static_cast<std::uint64_t>(shape.active.end_of_run(at) - at[0]);
-        const Index from = sites[k];
-        for (std::uint64_t j = 0; j < run && k < sites.size() && sites[k] == from + static_cast<Index>(j); ++j, ++k)
-          names.push_back(field::RowName::particle(first + j * step));
-      }
-    }
+    for (std::size_t p = 0; p < bonds_.parts().size(); ++p)
+      scene::add_names(plan_.shapes[p], bonds_.parts()[p]->sites(), names);
+  }
+  field::RowName row_name(Index row) const override
+  {
+    if (row < model_.system.rows.first_particle()) return {};
+    const pd::Particle& particle =
+        model_.particles[static_cast<std::size_t>(row - model_.system.rows.first_particle())];
+    return name(static_cast<std::size_t>(particle.patch), particle.site);
   }
 
   void add_numbers(std::vector<PetscInt>& first) const override
@@ -90,6 +85,17 @@ public:
     if (broken.changed && broken.carried) parted.break_joined(bonds_, *broken.carried);
     if (carried_) carried_->set_broken(broken.changed ? parted.keys(*carried_, broken) : *broken.carried);
   }
+  void add_torn(BrokenBonds& broken) const override
+  {
+    for (std::size_t p = 0; p < bonds_.parts().size(); ++p) {
+      if (!bonds_.is_kept(p)) continue;
+      const pd::LatticePart<2>& part = *bonds_.parts()[p];
+      for (const auto& [k, words] : part.torn()) {
+        broken.torn.push_back(name(p, part.sites()[static_cast<std::size_t>(k)]));
+        broken.torn_words.insert(broken.torn_words.end(), words.begin(), words.end());
+      }
+    }
+  }
 
   /// The lattices that particles lie on, each once.
   std::vector<track::TreeGround> grounds(const options::SceneOptions& given) const override
@@ -115,6 +121,19 @@ public:
               const pd::Particle& particle = model_.particles[k];
               return name(static_cast<std::size_t>(particle.patch), particle.site).key();
             }};
+  }
+
+  std::vector<double> damage_of(std::span<const std::size_t> particles) const override
+  {
+    std::vector<double> some;
+    for (const std::size_t k : particles) {
+      const Index row = model_.system.rows.first_particle() + static_cast<Index>(k);
+      pd::BondedVolume volume;
+      bonds_.parts()[static_cast<std::size_t>(model_.particles[k].patch)]->add_bonded_volume(row, volume);
+      if (carried_) carried_->add_bonded_volume(row, volume);
+      some.push_back(pd::damage(volume) + pd::precrack_share(volume));
+    }
+    return some;
   }
 
   std::vector<SeenParticle> seen() const override

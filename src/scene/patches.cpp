@@ -124,6 +124,20 @@ std::vector<couple::PatchShape> patch_shapes(const options::SceneOptions& option
   return std::move(plan.shapes);
 }
 
+/// Sites that follow each other in a run have names that do.
+void add_names(const couple::PatchShape& shape, std::span<const Index> sites, std::vector<field::RowName>& names)
+{
+  const auto step = static_cast<std::uint64_t>(shape.names.lattices); // from one name of a run to the next
+  for (std::size_t k = 0; k < sites.size();) {
+    const Site<2> at = shape.active.site(sites[k]);
+    const std::uint64_t first = shape.names.of(at);
+    const auto run = static_cast<std::uint64_t>(shape.active.end_of_run(at) - at[0]);
+    const Index from = sites[k];
+    for (std::uint64_t j = 0; j < run && k < sites.size() && sites[k] == from + static_cast<Index>(j); ++j, ++k)
+      names.push_back(field::RowName::particle(first + j * step));
+  }
+}
+
 PatchPlan plan_patches(const options::SceneOptions& options, mesh::MeshOptions& mesh, const PatchPlan* known)
 {
   PatchPlan plan;
@@ -216,16 +230,30 @@ std::string nearest_box(const geom::Box<2>& box, const mesh::MeshOptions& option
 }
 } // namespace
 
-void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options, const geom::Frame& frame)
+std::vector<Index> cells_under(const mesh::Mesh& mesh, const couple::PatchShape& shape)
+{
+  std::vector<Index> cells;
+  for (const geom::Box<2>& box : shape.boxes) {
+    const std::vector<Index> more = mesh.finder().in(box);
+    cells.insert(cells.end(), more.begin(), more.end());
+  }
+  std::ranges::sort(cells);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return cells;
+}
+
+void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options, const geom::Frame& frame,
+                 Kept* kept)
 {
   std::vector<double> area(plan.shapes.size(), 0.0), cut(plan.shapes.size(), 0.0);
-  for (Index c = 0; c < mesh.cells(); ++c) {
-    const auto corners = mesh.corners(c);
-    for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
-      const couple::PatchShape& shape = plan.shapes[p];
-      if (!shape.holds(mesh.centroid(c))) continue;
+  for (std::size_t p = 0; p < plan.shapes.size(); ++p) {
+    const couple::PatchShape& shape = plan.shapes[p];
+    if (kept && kept->has(p)) continue;
+    for (const Index c : cells_under(mesh, shape)) {
+      if (kept) kept->note(c, mesh.use(c));
       mesh.cover(c, static_cast<int>(p));
       if (c >= mesh.owned_cells()) continue;
+      const auto corners = mesh.corners(c);
       area[p] += area_of(corners);
       for (const Vector<2>& x : corners)
         if (!shape.holds(x, kFits * shape.lattice.dx)) cut[p] = 1.0;
@@ -245,6 +273,7 @@ void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOption
         throw UserError(fmt::format("{} leaves the mesh, which spans {} to {}", which(b),
                                     frame.text(mesh.bounds().lower), frame.text(mesh.bounds().upper)));
     const double whole = static_cast<double>(shape.active.size()) * shape.lattice.dx * shape.lattice.dx;
+    if (kept && kept->has(p)) continue;
     if (cut[p] == 0.0 && std::abs(area[p] - whole) < 1e-6 * whole) continue;
     const CutBoxes boxes(shape, mesh);
     const std::size_t b = boxes.first();

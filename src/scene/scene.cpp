@@ -3,28 +3,18 @@
 #include "grid_body.hpp"
 #include "pdx/base/stop_signals.hpp"
 #include "pdx/mesh/gmsh.hpp"
-#include "pdx/scene/kept.hpp"
 #include "pdx/scene/mixed_points.hpp"
 #include "pdx/scene/particle_warnings.hpp"
 #include "pdx/scene/point_body.hpp"
 #include "pdx/scene/solid.hpp"
 #include "pdx/scene/space_body.hpp"
 #include "pdx/solve/stable_step.hpp"
+#include "plane_scene.hpp"
 
 #include <cmath>
 
 namespace pdx::scene {
 namespace {
-/// The papers' step of the material with the least.
-template <int Dim> double papers_step(const pd::Stencil<Dim>& stencil, const law::Regions* regions)
-{
-  double least = 1.0;
-  for (std::size_t k = 1; regions && k < regions->count(); ++k)
-    least = std::min(least,
-                     std::sqrt(regions->elastic(k).density / regions->elastic(0).density / regions->stiffness(k, k)));
-  return least * pd::papers_step(stencil);
-}
-
 template <int Dim>
 StepLimits limits_of(std::span<const pd::Stencil<Dim>> stencils, const field::System& system,
                      const law::Regions* regions = nullptr)
@@ -36,154 +26,6 @@ StepLimits limits_of(std::span<const pd::Stencil<Dim>> stencils, const field::Sy
   }
   return limits;
 }
-
-mesh::Mesh cut_mesh(MPI_Comm comm, const mesh::MeshOptions& options, const mesh::CellCost& cost,
-                    const mesh::MeasuredCosts* costs)
-{
-  return costs ? mesh::build_by_costs(comm, options, *costs) : mesh::build(comm, options, cost);
-}
-
-/// Refuses what cannot be before a mesh is paid for.
-PatchPlan judged_plan(const options::SceneOptions& options, mesh::MeshOptions& mesh, const PatchPlan* known = nullptr)
-{
-  PatchPlan plan = plan_patches(options, mesh, known);
-  if (options.pd.everywhere) require_rows(options, plan.shapes[0].lattice.count);
-  return plan;
-}
-} // namespace
-
-Ground::Ground(MPI_Comm comm, options::SceneOptions given, const mesh::MeasuredCosts* costs,
-               std::shared_ptr<const PointPlan<2>> bodies)
-    : options(std::move(given)), mesh_options(options.mesh), plan(judged_plan(options, mesh_options)),
-      mesh(cut_mesh(comm, mesh_options, cell_cost(plan), costs)), areas(mesh), points(std::move(bodies))
-{
-  if (points) deal_cells(*points, mesh);
-  stop_if_told(comm);
-}
-
-void Ground::lay_particles(Kept* kept)
-{
-  if (!options.pd.any()) return;
-  cover_cells(mesh, plan, mesh_options, options.frame);
-  particles = make_particles(mesh, plan, kept);
-  stop_if_told(mesh.comm());
-}
-
-void Ground::lay_again(options::SceneOptions given, Kept* kept)
-{
-  options = std::move(given);
-  mesh_options = options.mesh;
-  plan = judged_plan(options, mesh_options, &plan);
-  if (kept) kept->match(plan);
-  mesh.uncover();
-  lay_particles(kept);
-}
-
-std::vector<std::string> Ground::warnings() const
-{
-  std::vector<std::string> all{correction_warning(options, plan)};
-  if (options.pd.everywhere) all.push_back(thin_warning(options, plan));
-  if (options.pd.any() && !options.layout.patches_move())
-    all.push_back(corner_warning(plan, mesh.bounds(), options.frame));
-  return all;
-}
-
-namespace {
-class PlaneScene final : public Scene {
-public:
-  PlaneScene(MPI_Comm comm, options::SceneOptions options, const mesh::MeasuredCosts* costs,
-             std::shared_ptr<const PointPlan<2>> points)
-      : ground_(comm, std::move(options), costs, std::move(points))
-  {
-    ground_.lay_particles();
-    build();
-  }
-  Standing standing() override { return {&ground_.mesh, d_.get()}; }
-  field::System& system() override { return d_->system; }
-  StepLimits limits() override
-  {
-    StepLimits limits{rigorous_limit(), 0.0};
-    for (const auto& stencil : ground_.plan.stencils) {
-      const double papers = papers_step<2>(stencil, ground_.options.regions.get());
-      limits.papers = limits.papers > 0.0 ? std::min(limits.papers, papers) : papers;
-    }
-    return limits;
-  }
-  std::vector<std::string> warnings() override
-  {
-    std::vector<std::string> all = ground_.warnings();
-    all.push_back(region_warning(ground_.options, ground_.mesh, d_->particles));
-    return all;
-  }
-  adapt::SceneView view() const override { return d_->view(ground_.mesh); }
-  const PatchPlan& patches() const override { return ground_.plan; }
-  void change(const Layout& layout) override
-  {
-    std::optional<Kept> kept;
-    if (layout.cracks == ground_.options.cracks.lines) kept = Kept::of(*d_, ground_.options);
-    d_.reset();
-    ground_.lay_again(layout.in(ground_.options), kept ? &*kept : nullptr);
-    build(kept ? &*kept : nullptr);
-    const std::vector<double> before = std::exchange(least_, {});
-    for (std::size_t p = 0; kept && p < ground_.plan.shapes.size(); ++p)
-      least_.push_back(kept->has(p) ? before.at(kept->before(p)) : kUnknown);
-    if (kept) leave_out(kept->same());
-  }
-  void foresee(const Layout& next) override
-  {
-    if (next.cracks == ground_.options.cracks.lines)
-      leave_out(Kept::staying(*d_, ground_.options, patch_shapes(next.in(ground_.options))));
-  }
-  void settle() override { leave_out({}); }
-
-private:
-  static constexpr double kUnknown = -1.0;
-
-  void leave_out(const std::vector<bool>& patches)
-  {
-    if (d_->bonds) d_->bonds->leave_out(patches);
-    if (d_->carried) d_->carried->leave_out(patches);
-  }
-
-  /// As `solve::stable_step` has it. What patches that stay allow is known.
-  double rigorous_limit()
-  {
-    const field::System& system = d_->system;
-    least_.resize(ground_.plan.shapes.size(), kUnknown);
-    std::vector<std::array<Index, 2>> known;
-    for (std::size_t p = 0; p < least_.size(); ++p)
-      if (const pd::LatticePart<2>& part = *d_->bonds->parts()[p]; least_[p] != kUnknown)
-        known.push_back({part.first_row(), part.first_row() + static_cast<Index>(part.sites().size())});
-    const std::vector<double> squares = solve::row_limits(system, known);
-    auto next = squares.begin() + system.rows.first_particle();
-    double least = std::numeric_limits<double>::infinity();
-    const auto take = [&least](auto begin, auto end) {
-      for (auto at = begin; at != end; ++at) least = std::min(least, *at);
-    };
-    take(squares.begin(), next);
-    for (std::size_t p = 0; p < least_.size(); ++p) {
-      const auto end = next + std::ssize(d_->bonds->parts()[p]->sites());
-      if (least_[p] == kUnknown)
-        least_[p] = next == end ? std::numeric_limits<double>::infinity() : *std::min_element(next, end);
-      least = std::min(least, least_[p]);
-      next = end;
-    }
-    MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE, MPI_MIN, system.rows.comm);
-    return least > 0.0 ? 2.0 * std::sqrt(least) : solve::stable_step(system).limit; // says where there is no mass
-  }
-
-  void build(Kept* kept = nullptr)
-  {
-    const bool assembled = ground_.options.time.analysis == options::Analysis::implicit_dynamics;
-    d_ = discretise(ground_.mesh, ground_.options, ground_.plan, std::move(ground_.particles), assembled,
-                    ground_.points.get(), &ground_.areas, kept);
-    stop_if_told(ground_.mesh.comm());
-  }
-
-  Ground ground_;
-  std::unique_ptr<Discretisation> d_;
-  std::vector<double> least_; // per patch, of its particles here: as `solve::row_limits` has it [s^2]
-};
 
 class SolidScene final : public Scene {
 public:
@@ -275,12 +117,13 @@ public:
   StepLimits limits() override { return limits_of<3>({&*bodies_.stencil, 1}, body_->system); }
   std::vector<std::string> warnings() override { return {correction_warning(options_, bodies_.sides)}; }
   const adapt::SpaceView* space() const override { return &*view_; }
-  void change(const Layout& layout) override
+  std::optional<Handed> change(const Layout& layout) override
   {
     view_.reset();
     body_.reset();
     options_ = layout.in(std::move(options_));
     build();
+    return std::nullopt;
   }
 
 private:
@@ -339,7 +182,7 @@ SceneMaker plane_maker(MPI_Comm comm, const options::SceneOptions& options, std:
 {
   return [comm, &options, plan = std::move(plan)](const Layout& layout,
                                                   const mesh::MeasuredCosts* costs) -> std::unique_ptr<Scene> {
-    return std::make_unique<PlaneScene>(comm, layout.in(options), costs, plan);
+    return plane_scene(comm, layout.in(options), costs, plan);
   };
 }
 

@@ -101,7 +101,6 @@ PetscErrorCode set_up(TS ts)
     if (!ts->vec_dot) throw std::logic_error("central_difference needs a velocity: TS2SetSolution");
     CentralDifference& own = data_of(ts);
     PDX_CALL(VecDuplicate(ts->vec_sol, own.acceleration.out()));
-    PDX_CALL(VecSet(own.acceleration.get(), 0.0));
     own.fresh = false;
     PDX_CALL(TSGetAdapt(ts, &ts->adapt));
     PDX_CALL(TSAdaptCandidatesClear(ts->adapt));

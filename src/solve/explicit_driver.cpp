@@ -13,8 +13,8 @@ namespace {
 constexpr double kSafer = 1.1; // by as much a step may be nearer to the limit than asked for, before it is shortened
 } // namespace
 
-ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& options)
-    : TimeDriver(system), options_(options)
+ExplicitDriver::ExplicitDriver(field::System& system, const ExplicitOptions& options, MovingSystem::Values known)
+    : TimeDriver(system, std::move(known)), options_(options)
 {
   register_central_difference();
   if (options_.parts > 1) part_steps();
@@ -191,6 +191,16 @@ void ExplicitDriver::start(double time, std::span<double> a)
   moving_.move_velocity_alone(time, moving_.v.data());
   evaluate(time, a);
   forces_again(time);
+}
+
+void ExplicitDriver::start_again(double time, const StepOrigin& origin)
+{
+  double* values = nullptr;
+  Vec a = pdx::solve::acceleration(ts_.get());
+  PDX_CALL(VecGetArray(a, &values));
+  start(time, {values, moving_.owned()});
+  PDX_CALL(VecRestoreArray(a, &values));
+  resume_steps(ts_.get(), origin, a);
 }
 
 void ExplicitDriver::set_acceleration(const StepOrigin& origin, std::span<const double> a)

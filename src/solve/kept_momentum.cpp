@@ -8,33 +8,37 @@
 namespace pdx::solve {
 namespace {
 constexpr double kNoInertia = 1e-12; // of the largest: a line does not turn about itself
+
+/// All but sets.
+std::vector<std::size_t> movable(const field::Rows& rows, std::span<const Index> of)
+{
+  std::vector<std::size_t> some;
+  for (const Index row : of)
+    if (row < rows.nodes || row >= rows.first_particle()) some.push_back(static_cast<std::size_t>(row));
+  return some;
+}
 } // namespace
 
-void keep_momentum(const MovingSystem& moving, std::span<const double> is_new, const std::array<double, 3>& wanted,
-                   std::vector<double>& v)
+void keep_momentum(const MovingSystem& moving, std::span<const Index> is_new, const std::array<double, 3>& wanted,
+                   std::span<double> v)
 {
   const field::Rows& rows = moving.system.rows;
   const auto dim = static_cast<std::size_t>(rows.dim);
-  std::vector<std::size_t> more; // rows that may take it, as one velocity
-  for (std::size_t row = 0; row < is_new.size(); ++row)
-    if (is_new[row] != 0.0 &&
-        (static_cast<Index>(row) < rows.nodes || static_cast<Index>(row) >= rows.first_particle()))
-      more.push_back(row);
+  const std::vector<std::size_t> more = movable(rows, is_new); // rows that may take it, as one velocity
   std::array<double, 3> mass{};
   if (any_rank(rows.comm, !moving.ties().empty())) {
     std::vector<double> all(v.size(), 0.0);
-    for (const std::size_t row : more)
-      std::fill_n(all.begin() + static_cast<std::ptrdiff_t>(row * dim), dim, is_new[row]);
+    for (const std::size_t row : more) std::fill_n(all.begin() + static_cast<std::ptrdiff_t>(row * dim), dim, 1.0);
     mass = moving.momentum(all);
   } else {
     for (const std::size_t row : more)
-      for (std::size_t d = 0; d < dim; ++d) mass[d] += moving.mass[row] * is_new[row];
+      for (std::size_t d = 0; d < dim; ++d) mass[d] += moving.mass[row];
     MPI_Allreduce(MPI_IN_PLACE, mass.data(), 3, MPI_DOUBLE, MPI_SUM, rows.comm);
   }
   const std::array<double, 3> now = moving.momentum(v);
   if (mass[0] <= 0.0) return;
   for (const std::size_t row : more)
-    for (std::size_t d = 0; d < dim; ++d) v[row * dim + d] += is_new[row] * (wanted[d] - now[d]) / mass[d];
+    for (std::size_t d = 0; d < dim; ++d) v[row * dim + d] += (wanted[d] - now[d]) / mass[d];
 }
 
 namespace {
@@ -67,20 +71,16 @@ Vector<3> angular_momentum(const MovingSystem& moving, std::span<const double> u
   return sum;
 }
 
-void keep_angular_momentum(const MovingSystem& moving, std::span<const double> is_new, const Vector<3>& wanted,
-                           std::span<const double> u, std::vector<double>& v)
+void keep_angular_momentum(const MovingSystem& moving, std::span<const Index> is_new, const Vector<3>& wanted,
+                           std::span<const double> u, std::span<double> v)
 {
   const field::Rows& rows = moving.system.rows;
   const auto dim = static_cast<std::size_t>(rows.dim);
   const field::System& system = moving.system;
   if (any_rank(rows.comm, !system.prescribed.components.empty() || !system.rollers.empty())) return;
-  const auto turns = [&](std::size_t row) { // it is new and no set
-    const auto local = static_cast<Index>(row);
-    return is_new[row] != 0.0 && (local < rows.nodes || local >= rows.first_particle());
-  };
+  const std::vector<std::size_t> turns = movable(rows, is_new);
   std::vector<double> drift(v.size(), 0.0); // as one velocity
-  for (std::size_t row = 0; row < is_new.size(); ++row)
-    if (turns(row)) std::fill_n(drift.begin() + static_cast<std::ptrdiff_t>(dim * row), dim, 1.0);
+  for (const std::size_t row : turns) std::fill_n(drift.begin() + static_cast<std::ptrdiff_t>(dim * row), dim, 1.0);
   const std::array<double, 3> mass = moving.momentum(drift);
   if (mass[0] <= 0.0) return;
   // A turn about each axis, about their middle, and what angular momentum it has.
@@ -90,8 +90,7 @@ void keep_angular_momentum(const MovingSystem& moving, std::span<const double> i
   for (Eigen::Index axis = first; axis < 3; ++axis) {
     std::vector<double>& of = turn[static_cast<std::size_t>(axis)];
     of.assign(v.size(), 0.0);
-    for (std::size_t row = 0; row < is_new.size(); ++row) {
-      if (!turns(row)) continue;
+    for (const std::size_t row : turns) {
       const Vector<3> speed = Vector<3>::Unit(axis).cross(at(moving.system.coordinates, row, dim) + at(u, row, dim));
       for (std::size_t d = 0; d < dim; ++d) of[dim * row + d] = speed[static_cast<Eigen::Index>(d)];
     }

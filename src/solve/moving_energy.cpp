@@ -1,34 +1,43 @@
 #include "pdx/base/lanes.hpp"
 #include "pdx/solve/moving_system.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
 namespace pdx::solve {
+std::vector<std::array<Index, 2>> MovingSystem::counted() const
+{
+  return counted_.value_or(std::vector<std::array<Index, 2>>{{0, system.rows.owned()}});
+}
+
 std::array<double, 3> MovingSystem::momentum(std::span<const double> velocity) const
 {
   const auto dim = static_cast<std::size_t>(system.rows.dim);
+  const std::array<Index, 2> sets{system.rows.nodes, system.rows.first_particle()};
   std::array<double, 3> sum{};
-  if (ties_.empty()) {
-    for (std::size_t row = 0; row < mass.size(); ++row)
+  const auto add = [&](Index first, Index end) {
+    for (auto row = static_cast<std::size_t>(first); first < end && row < static_cast<std::size_t>(end); ++row)
       for (std::size_t d = 0; d < dim; ++d) sum[d] += mass[row] * velocity[row * dim + d];
-    MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);
-    return sum;
+  };
+  for (const auto& [first, end] : counted()) { // all rows move alike where the body does, and no set opens
+    add(first, std::min(end, sets[0]));
+    add(std::max(first, sets[1]), end);
   }
-  std::vector<double> inertia(velocity.size(), 0.0);
-  add_inertia(velocity, inertia);
-  const auto sets = static_cast<std::size_t>(system.rows.nodes),
-             particles = sets + static_cast<std::size_t>(system.rows.enriched);
-  for (std::size_t row = 0; row < mass.size(); ++row) // all rows move alike where the body does, and no set opens
-    for (std::size_t d = 0; d < dim && (row < sets || row >= particles); ++d) sum[d] += inertia[row * dim + d];
+  for (const field::Tie& t : ties_) {
+    const auto row = static_cast<std::size_t>(t.row), set = static_cast<std::size_t>(t.set);
+    for (std::size_t d = 0; d < dim; ++d)
+      sum[d] += mass[set] * (velocity[row * dim + d] + t.factor * velocity[set * dim + d]);
+  }
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);
   return sum;
 }
 
 namespace {
 /// Adds m v.v and m a.a of rows begin ... end, in sums that do not wait for each other.
-template <std::size_t Dim>
+/// @tparam Both false: a is not looked at
+template <std::size_t Dim, bool Both>
 void add_weighed_squares(std::span<const double> mass, const double* v, const double* a, std::size_t begin,
                          std::size_t end, double& vv, double& aa)
 {
@@ -41,7 +50,7 @@ void add_weighed_squares(std::span<const double> mass, const double* v, const do
   };
   const auto add = [&](std::size_t row, std::size_t to) {
     of_v[to] += mass[row] * square(v + row * Dim);
-    of_a[to] += mass[row] * square(a + row * Dim);
+    if constexpr (Both) of_a[to] += mass[row] * square(a + row * Dim);
   };
   std::size_t row = begin;
   for (; row + abreast <= end; row += abreast)
@@ -56,9 +65,16 @@ void add_weighed_squares(std::span<const double> mass, const double* v, const do
 /// m v.v of all rows, m a.a of all, m v.v of particles.
 template <std::size_t Dim> void MovingSystem::add_squares(std::span<const double> a, double (&sums)[3]) const
 {
-  const auto particles = static_cast<std::size_t>(system.rows.first_particle());
-  add_weighed_squares<Dim>(mass, v.data(), a.data(), 0, particles, sums[0], sums[1]);
-  add_weighed_squares<Dim>(mass, v.data(), a.data(), particles, mass.size(), sums[2], sums[1]);
+  const Index particles = system.rows.first_particle();
+  for (const auto& [first, end] : counted()) {
+    const auto add = [&, this](Index from, Index to, double& vv) {
+      if (from >= to) return;
+      const auto squares = a.empty() ? add_weighed_squares<Dim, false> : add_weighed_squares<Dim, true>;
+      squares(mass, v.data(), a.data(), static_cast<std::size_t>(from), static_cast<std::size_t>(to), vv, sums[1]);
+    };
+    add(first, std::min(end, particles), sums[0]);
+    add(std::max(first, particles), end, sums[2]);
+  }
   sums[0] += sums[2];
 }
 
@@ -70,8 +86,10 @@ KineticEnergy MovingSystem::kinetic_energy(std::span<const double> a, double ste
   for (const field::Tie& t : ties_)
     for (std::size_t d = 0; d < dim; ++d) {
       const std::size_t i = static_cast<std::size_t>(t.row) * dim + d, s = static_cast<std::size_t>(t.set) * dim + d;
-      const double m = mass[static_cast<std::size_t>(t.set)], far = v[i] + t.factor * v[s], af = a[i] + t.factor * a[s];
+      const double m = mass[static_cast<std::size_t>(t.set)], far = v[i] + t.factor * v[s];
       sums[0] += m * (far * far - v[s] * v[s]);
+      if (a.empty()) continue;
+      const double af = a[i] + t.factor * a[s];
       sums[1] += m * (af * af - a[s] * a[s]);
     }
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, system.rows.comm);

@@ -43,21 +43,23 @@ void overwrite(const std::vector<field::Drive>& drives, double (*now)(const fiel
 }
 } // namespace
 
-MovingSystem::MovingSystem(field::System& given)
-    : system(given), u(static_cast<std::size_t>(given.halo->size() * given.rows.dim), 0.0), v(given.initial_velocity),
-      mass(lumped_mass(given)), ties_(ties_of(given)), held_(given.prescribed.components.size(), 0.0),
-      held_before_(held_), held_u_before_(held_), rolled_(given.rollers.size(), 0.0)
+MovingSystem::MovingSystem(field::System& given, Values known)
+    : system(given), u(std::move(known.u)), v(std::move(known.v)), mass(given.mass), ties_(ties_of(given)),
+      held_(given.prescribed.components.size(), 0.0), held_before_(held_), held_u_before_(held_),
+      rolled_(given.rollers.size(), 0.0)
 {
+  know_mass(given);
   const auto dim = static_cast<std::size_t>(system.rows.dim);
+  const bool begins = v.empty();
+  u.resize(static_cast<std::size_t>(given.halo->size()) * dim, 0.0);
+  if (begins) v = given.initial_velocity;
   v.resize(static_cast<std::size_t>(system.rows.owned()) * dim, 0.0);
   for (const field::Tie& t : ties_)
-    for (std::size_t d = 0; d < dim; ++d) {
+    for (std::size_t d = 0; d < dim && begins; ++d) {
       double& set = v[static_cast<std::size_t>(t.set) * dim + d];
       set = (set - v[static_cast<std::size_t>(t.row) * dim + d]) / t.factor;
     }
   loose_ = loose_halves();
-  inverse_mass_.reserve(mass.size());
-  for (const double m : mass) inverse_mass_.push_back(1.0 / m);
   for (const field::Drive& drive : system.drives)
     if (const std::vector<double> none(drive.components.size(), 0.0); drive.kind == field::Drive::Kind::force)
       loads_.push_back({&drive, none, none, none});
@@ -201,8 +203,9 @@ double MovingSystem::stored_energy() const
 
 template <std::size_t Dim> void MovingSystem::divide_by_mass(std::span<double> f) const
 {
-  for (std::size_t row = 0; row < inverse_mass_.size(); ++row)
-    for (std::size_t d = 0; d < Dim; ++d) f[row * Dim + d] *= -inverse_mass_[row];
+  const std::vector<double>& inverse = system.inverse_mass;
+  for (std::size_t row = 0; row < inverse.size(); ++row)
+    for (std::size_t d = 0; d < Dim; ++d) f[row * Dim + d] *= -inverse[row];
 }
 
 void MovingSystem::accelerate(std::span<double> f) const
@@ -234,7 +237,7 @@ void MovingSystem::let_go(std::span<const field::ForceLoss> losses, std::span<do
       held_[static_cast<std::size_t>(std::ranges::find(held, loss.component) - held.begin())] -= loss.force;
     else if (ties_.empty())
       a[static_cast<std::size_t>(loss.component)] +=
-          inverse_mass_[static_cast<std::size_t>(loss.component / system.rows.dim)] * loss.force;
+          system.inverse_mass[static_cast<std::size_t>(loss.component / system.rows.dim)] * loss.force;
   if (!rolled_.empty()) {
     for (const field::ForceLoss& loss : losses)
       for (const field::Roller& roller : rollers_of(loss.component / system.rows.dim))

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <limits>
+#include <memory>
 
 namespace pdx::solve {
 namespace {
@@ -64,8 +65,13 @@ struct Bounds {
 
 enum class Of : std::uint8_t { all, far };
 
-/// @param known rows left at a stiffness of 0
-Bounds bounds_of(const field::System& system, Of what, std::span<const std::array<Index, 2>> known = {})
+void largest_of_rows(std::size_t dim, std::span<const double> blocks, std::span<const std::uint8_t> held,
+                     std::span<double> stiffness)
+{
+  dim == 2 ? largest_of_rows<2>(blocks, held, stiffness) : largest_of_rows<3>(blocks, held, stiffness);
+}
+
+Bounds bounds_of(const field::System& system, Of what)
 {
   const auto owned = static_cast<std::size_t>(system.rows.owned()), dim = static_cast<std::size_t>(system.rows.dim);
   std::vector<double> blocks(owned * dim * dim, 0.0);
@@ -74,22 +80,32 @@ Bounds bounds_of(const field::System& system, Of what, std::span<const std::arra
       term->add_stiffness_bound(blocks);
     else if (const auto* parted = dynamic_cast<const field::Parted*>(term.get()))
       parted->add_far_bound(blocks);
-  const std::vector<std::uint8_t> held = tied_held(system);
-  Bounds bounds{lumped_mass(system), std::vector<double>(owned)};
-  const auto take = [&](std::size_t first, std::size_t end) {
-    const std::span<const double> part = std::span(blocks).subspan(first * dim * dim, (end - first) * dim * dim);
-    const std::span<const std::uint8_t> fixed = std::span(held).subspan(first * dim, (end - first) * dim);
-    const std::span<double> stiffness = std::span(bounds.stiffness).subspan(first, end - first);
-    dim == 2 ? largest_of_rows<2>(part, fixed, stiffness) : largest_of_rows<3>(part, fixed, stiffness);
-  };
-  std::size_t next = 0;
-  for (const auto& [first, end] : known) {
-    take(next, static_cast<std::size_t>(first));
-    next = static_cast<std::size_t>(end);
-  }
-  take(next, owned);
+  Bounds bounds{system.mass.empty() ? lumped_mass(system) : system.mass, std::vector<double>(owned)};
+  largest_of_rows(dim, blocks, tied_held(system), bounds.stiffness);
   return bounds;
 }
+
+/// Room for values of all rows, of which some only are ever looked at: those are 0.
+class SomeRows {
+public:
+  SomeRows(const field::System& system, field::RowRanges wanted, std::size_t components)
+      : size_(static_cast<std::size_t>(system.rows.owned()) * components),
+        values_(std::make_unique_for_overwrite<double[]>(size_)), components_(components)
+  {
+    for (const auto& range : wanted) std::ranges::fill(of(range), 0.0);
+  }
+  std::span<double> all() { return {values_.get(), size_}; }
+  std::span<double> of(const std::array<Index, 2>& range)
+  {
+    return all().subspan(static_cast<std::size_t>(range[0]) * components_,
+                         static_cast<std::size_t>(range[1] - range[0]) * components_);
+  }
+
+private:
+  std::size_t size_;
+  std::unique_ptr<double[]> values_;
+  std::size_t components_;
+};
 
 /// Of the owned rows with a step up to `limit`, the one at the lowest place.
 std::vector<StableStep> lowest(const field::System& system, const Bounds& bounds, double limit)
@@ -121,11 +137,43 @@ std::vector<field::Tie> ties_of(const field::System& system)
   return ties;
 }
 
-std::vector<double> row_limits(const field::System& system, std::span<const std::array<Index, 2>> known)
+void know_mass(field::System& system)
 {
-  const Bounds bounds = bounds_of(system, Of::all, known);
-  std::vector<double> limits(bounds.mass.size());
-  for (std::size_t row = 0; row < limits.size(); ++row) limits[row] = bounds.square(row);
+  if (!system.mass.empty()) return;
+  system.mass = lumped_mass(system);
+  system.inverse_mass.clear();
+  system.inverse_mass.reserve(system.mass.size());
+  for (const double m : system.mass) system.inverse_mass.push_back(1.0 / m);
+}
+
+void know_mass(field::System& system, field::RowRanges unknown)
+{
+  SomeRows mass(system, unknown, 1);
+  for (const auto& term : system.terms) term->add_mass_in(unknown, mass.all());
+  for (const auto& range : unknown)
+    for (Index row = range[0]; row < range[1]; ++row) {
+      const auto k = static_cast<std::size_t>(row);
+      system.mass[k] = mass.all()[k];
+      system.inverse_mass[k] = 1.0 / system.mass[k];
+    }
+}
+
+std::vector<double> row_limits(field::System& system, field::RowRanges wanted)
+{
+  know_mass(system);
+  const auto dim = static_cast<std::size_t>(system.rows.dim);
+  SomeRows blocks(system, wanted, dim * dim);
+  for (const auto& term : system.terms) term->add_stiffness_bound_in(wanted, blocks.all());
+  const std::vector<field::Tie> ties = ties_of(system);
+  const std::vector<std::uint8_t> of_ties = ties.empty() ? std::vector<std::uint8_t>() : tied_held(system);
+  const std::span<const std::uint8_t> held = ties.empty() ? std::span(system.held) : std::span(of_ties);
+  std::vector<double> limits;
+  for (const auto& range : wanted) {
+    const auto first = static_cast<std::size_t>(range[0]), rows = static_cast<std::size_t>(range[1]) - first;
+    Bounds bounds{{system.mass.begin() + range[0], system.mass.begin() + range[1]}, std::vector<double>(rows)};
+    largest_of_rows(dim, blocks.of(range), held.subspan(first * dim, rows * dim), bounds.stiffness);
+    for (std::size_t k = 0; k < rows; ++k) limits.push_back(bounds.square(k));
+  }
   return limits;
 }
 

@@ -50,10 +50,19 @@ bool CrackTracker::has_new() const
   return any_rank(comm_, std::ranges::any_of(before_, [](double damage) { return damage < 0.0; }));
 }
 
+std::vector<std::size_t> CrackTracker::new_ones() const
+{
+  std::vector<std::size_t> places;
+  for (std::size_t k = 0; k < before_.size(); ++k)
+    if (before_[k] < 0.0) places.push_back(k);
+  return places;
+}
+
 void CrackTracker::note_new(std::span<const double> damage)
 {
-  for (std::size_t k = 0; k < before_.size(); ++k)
-    if (before_[k] < 0.0) before_[k] = damage[k];
+  auto next = damage.begin();
+  for (double& before : before_)
+    if (before < 0.0) before = *next++;
 }
 
 void CrackTracker::nothing_new(double time) { judge(time); }

@@ -190,7 +190,7 @@ std::vector<Vector<2>> closed_tips(const mesh::Mesh& mesh, const crack::CrackSet
 
 EnrichedSets::EnrichedSets(mesh::Mesh& mesh, const crack::CrackSet& cracks, const EnrichmentRule& rule,
                            const geom::Frame& frame)
-    : mesh_(mesh), cracks_(cracks)
+    : mesh_(mesh), cracks_(&cracks)
 {
   const double tolerance = kTolerance * smallest_edge(mesh);
   const Found found = find_everything(mesh, cracks, tolerance);
@@ -220,7 +220,7 @@ void EnrichedSets::keep_sets(const Enrichment& enrichment, const JunctionZone& z
   const auto vertices = static_cast<std::size_t>(mesh_.vertices());
   std::vector<std::pair<Index, EnrichedSet>> all;
   std::vector<int> side(vertices); // of a set, -1 for none
-  for (int crack = 0; crack < cracks_.size(); ++crack) {
+  for (int crack = 0; crack < cracks_->size(); ++crack) {
     std::ranges::fill(side, -1);
     for (const NodeSupport& s : of_crack(std::span(enrichment.nodes), crack))
       side[static_cast<std::size_t>(s.node)] = static_cast<int>(s.side);
@@ -345,7 +345,7 @@ std::pair<const CutElement*, Side> EnrichedSets::at(Index cell, const Vector<2>&
   const CutElement* best = &all.front();
   double nearest = std::numeric_limits<double>::infinity();
   for (const CutElement& cut : all) {
-    if (cut.piece->side && *cut.piece->side == side_of(cracks_.side(cut.crack, x))) return {&cut, Side::plus};
+    if (cut.piece->side && *cut.piece->side == side_of(cracks_->side(cut.crack, x))) return {&cut, Side::plus};
     for (const geom::Polygon& outline : cut.piece->outlines)
       if (const double out = how_far_out(outline, x); out < nearest) {
         nearest = out;
@@ -358,6 +358,6 @@ std::pair<const CutElement*, Side> EnrichedSets::at(Index cell, const Vector<2>&
 Side EnrichedSets::side_in(const CutElement& cut, const Vector<2>& x) const
 {
   if (cut.snapped) return *cut.snapped;
-  return cracks_.side(cut.crack, x) > 0 ? Side::plus : Side::minus;
+  return cracks_->side(cut.crack, x) > 0 ? Side::plus : Side::minus;
 }
 } // namespace pdx::xfem

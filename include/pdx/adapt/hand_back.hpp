@@ -21,8 +21,8 @@ FreshRows fresh_sets(const SceneView& scene, const LayoutChange& change, std::si
 /// Corrects rows at cracks that are new by what makes the elements carry the particles that left as nearly as can be,
 /// by least squares with all other rows given, and by no more than that needs [XPD2 Eqs. 17-21]: those of sets, and of
 /// nodes of cut elements that have no set there. Collective.
-/// @param scene  the new one   @param is_new  per owned row
+/// @param scene  the new one   @param is_new  owned rows
 /// @param fields owned rows of the new scene, two components each, in the order of those that left
-void fit_sets(const SceneView& scene, const Leaving& left, std::span<const double> is_new,
+void fit_sets(const SceneView& scene, const Leaving& left, std::span<const Index> is_new,
               std::span<const std::span<double>> fields);
 } // namespace pdx::adapt

@@ -7,9 +7,9 @@ namespace pdx::adapt {
 /// nodes and particles of the cells around it that no crack hides; of the plane, where those are too few.
 class NodalGradients {
 public:
-  /// @param wanted says whether a vertex with a row is of interest, alike on every rank
+  /// At the vertices with a row that boxes hold. @param boxes alike on every rank [m]
   /// @param fields local blocks [owned | halo] of two components each. Collective.
-  NodalGradients(const SceneView& scene, const std::function<bool(Index vertex)>& wanted,
+  NodalGradients(const SceneView& scene, std::span<const geom::Box<2>> boxes,
                  std::span<const std::span<const double>> fields);
   /// d f_i / d x_j of a field at a local vertex that was wanted, none where damaged particles or too few neighbours
   /// are.

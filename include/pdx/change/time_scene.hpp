@@ -37,12 +37,18 @@ public:
   void foresee(const adapt::LayoutChange& change)
   {
     if (!change.empty()) scene_->foresee(layout_.changed(change));
+    driver_->count_only(scene_->changing_rows());
   }
-  void settle() { scene_->settle(); }
+  void settle()
+  {
+    scene_->settle();
+    driver_->count_only(std::nullopt);
+  }
 
   /// All that a scene has come to, and what the rows that a change makes begin with.
   struct Moment {
-    scene::NamedState state;
+    scene::NamedState state; ///< of a scene that is handed over: of what does not stay, after `rebuild`
+    scene::Passing passing;  ///< of what stays
     pd::Broken broken;
     solve::TimeDriver::Clock clock;
     std::vector<double> sums;              ///< `Model::rank_sums`
@@ -50,16 +56,19 @@ public:
     Vector<3> angular = Vector<3>::Zero(); ///< likewise [kg m^2/s]
     std::size_t known = 0;                 ///< rows that were there before
     adapt::Leaving left;
+    adapt::FreshRows fresh;
+    std::optional<scene::Handed> handed;
   };
   /// @param change to come; empty: all is built anew as it is   @param cracks as they have been followed
-  Moment moment(const adapt::LayoutChange& change, const std::optional<scene::CrackNotes>& cracks) const;
+  Moment moment(const adapt::LayoutChange& change, std::optional<scene::CrackNotes> cracks) const;
   /// Scene and driver go, and others stand in their place. @param costs by which meshes are cut from now on, if any
-  void rebuild(const adapt::LayoutChange& change, std::optional<mesh::MeasuredCosts> costs);
+  void rebuild(const adapt::LayoutChange& change, std::optional<mesh::MeasuredCosts> costs, Moment& moment);
   /// They take over a moment of those before. Returns the cracks. @param change that made them
   std::optional<scene::CrackNotes> take(Moment moment, const adapt::LayoutChange& change);
 
 private:
-  void drive();
+  void drive(solve::MovingSystem::Values known = {});
+  void begin_changed(const Moment& moment, const scene::StateMove& move, const adapt::LayoutChange& change);
 
   MPI_Comm comm_;
   const options::SceneOptions& options_;

@@ -48,7 +48,8 @@ public:
   /// Local rows that carry its points, each once, ascending; after `bind`.
   const std::vector<Index>& used_rows() const { return used_; }
   /// The rows are others from now on, where a patch and its surroundings stay what they were. After `bind`.
-  /// @param now per local row before: local row now   @param patch number of the patch from now on
+  /// @param now per local row before: local row now; empty: they stay what they were   @param patch number of the patch
+  /// from now on
   void move_rows(const field::Rows& rows, std::span<const Index> now, Index patch);
   /// From now on `add_residual` is for explicit steps: bonds along straight sides in runs. After `bind`.
   void step_explicitly();

@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/base/petsc.hpp"
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct Rows {
   bool owns(PetscInt row) const { return row >= first && row < first + owned(); }
   VecHandle vector() const; ///< zero vector with this layout and block size dim. Collective.
 };
+
+/// Local rows, by first and end of each range, ascending and apart.
+using RowRanges = std::span<const std::array<Index, 2>>;
 
 /// The values of this rank's rows, and the other way round.
 std::vector<double> owned_values(Vec u);

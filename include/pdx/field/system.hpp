@@ -33,18 +33,19 @@ struct System {
   std::vector<std::unique_ptr<AfterSolve>> after;     ///< asked in this order after each solve
   std::vector<std::unique_ptr<AfterStep>> after_step; ///< asked in this order after each time step
   Prescribed prescribed;
-  std::vector<Turning> turning;         ///< of these components; `prescribed.values` hold them at load 1
-  std::vector<Roller> rollers;          ///< of owned rows, ascending; none of their components is prescribed
-  bool rolls = false;                   ///< has any rank rollers? `bind` finds out
-  std::vector<Support*> supports;       ///< borrowed from terms: springs, pins
-  std::vector<std::uint8_t> held;       ///< 1 per prescribed component of every local row [owned | halo]
-  std::vector<double> load;             ///< external force at load 1, owned rows * dim [N]
-  std::vector<Drive> drives;            ///< the same in time: loads, and the motion of what is held
-  std::vector<double> initial_velocity; ///< owned rows * dim; empty: at rest [m/s]
-  std::vector<double> coordinates;      ///< of owned rows, dim per row [m]
-  std::unique_ptr<Swelling> swelling;   ///< none: no Term ever swells
-  std::unique_ptr<CoarseSpace> coarse;  ///< none: assembled operators only
-  double scale = 1.0;                   ///< diagonal of prescribed components [N/m]
+  std::vector<Turning> turning;           ///< of these components; `prescribed.values` hold them at load 1
+  std::vector<Roller> rollers;            ///< of owned rows, ascending; none of their components is prescribed
+  bool rolls = false;                     ///< has any rank rollers? `bind` finds out
+  std::vector<Support*> supports;         ///< borrowed from terms: springs, pins
+  std::vector<std::uint8_t> held;         ///< 1 per prescribed component of every local row [owned | halo]
+  std::vector<double> load;               ///< external force at load 1, owned rows * dim [N]
+  std::vector<Drive> drives;              ///< the same in time: loads, and the motion of what is held
+  std::vector<double> initial_velocity;   ///< owned rows * dim; empty: at rest [m/s]
+  std::vector<double> coordinates;        ///< of owned rows, dim per row [m]
+  std::unique_ptr<Swelling> swelling;     ///< none: no Term ever swells
+  std::vector<double> mass, inverse_mass; ///< lumped, of owned rows; empty until `solve::know_mass` [kg], [1/kg]
+  std::unique_ptr<CoarseSpace> coarse;    ///< none: assembled operators only
+  double scale = 1.0;                     ///< diagonal of prescribed components [N/m]
 
   /// Finds the halo of all Terms, binds them and spreads `held`. Call once, after rows, terms and prescribed are set.
   /// Collective.

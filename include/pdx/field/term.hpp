@@ -67,6 +67,19 @@ public:
   /// max_i sqrt(lambda_max(D_i) / m_i).
   /// @param blocks owned rows * dim * dim, row-major
   virtual void add_stiffness_bound(std::span<double> blocks) const { (void)blocks; }
+  /// The two above where the rest is known: what is added to rows outside some ranges does not matter.
+  ///@{
+  virtual void add_mass_in(RowRanges wanted, std::span<double> mass) const
+  {
+    (void)wanted;
+    add_mass(mass);
+  }
+  virtual void add_stiffness_bound_in(RowRanges wanted, std::span<double> blocks) const
+  {
+    (void)wanted;
+    add_stiffness_bound(blocks);
+  }
+  ///@}
   /// Appends the ties of owned rows.
   virtual void ties(std::vector<Tie>& ties) const { (void)ties; }
 };

@@ -1,8 +1,10 @@
 #pragma once
 #include "pdx/base/petsc.hpp"
 #include "pdx/geom/box.hpp"
+#include "pdx/mesh/cell_finder.hpp"
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -79,16 +81,19 @@ public:
   /// Number of the patch that covers cell c, -1 for an element.
   int patch(Index c) const { return patch_[static_cast<std::size_t>(c)]; }
   void cover(Index c, int patch);
-  void cut(Index c); ///< a plain cell becomes a cut one
-  void uncover();    ///< makes every cell plain again, or one of points
+  void uncover(Index c); ///< the cell is plain again, or one of points
+  void cut(Index c);     ///< a plain cell becomes a cut one
+  void uncover();        ///< makes every cell plain again, or one of points
   /// The body that a cell is of, 0 where nothing else was said: what lies near may be of another.
   Index body(Index c) const { return body_[static_cast<std::size_t>(c)]; }
   /// @param points material points fill it, not an element
   void set_body(Index c, Index body, bool points);
   /// Local cells of one use, overlap included: lists, so that loops carry no ifs.
   std::span<const Index> cells(Use use) const;
+  const CellFinder& finder() const; ///< of all local cells; made when it is asked for
 
 private:
+  void set_use(Index c, Use use);
   MPI_Comm comm_;
   DmHandle plex_;
   MeshArrays arrays_;
@@ -96,6 +101,8 @@ private:
   std::vector<int> patch_;
   std::vector<Index> body_;
   mutable std::array<std::vector<Index>, kUses> lists_; // by use
-  mutable bool lists_current_ = false;
+  mutable bool listed_ = false;
+  mutable std::vector<std::pair<Index, Use>> unlisted_; // cells of another use than lists know, and that one
+  mutable std::optional<CellFinder> finder_;
 };
 } // namespace pdx::mesh

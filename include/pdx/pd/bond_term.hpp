@@ -43,6 +43,7 @@ public:
   void weak_rows(std::vector<Index>& rows) const override;
   bool constant_jacobian() const override { return kinematics_ == Kinematics::small; }
   void add_mass(std::span<double> mass) const override;
+  void add_mass_in(field::RowRanges wanted, std::span<double> mass) const override;
   /// D_i = 2 sum_j w K_ij of the intact bonds: (n.(u_i - u_j))^2 <= 2 (n.u_i)^2 + 2 (n.u_j)^2. Nothing of parts that
   /// are kept, whose bounds are known.
   void add_stiffness_bound(std::span<double> blocks) const override;

@@ -149,6 +149,8 @@ public:
   /// Bonds that start at owned particle k and are gone, those that a crack cut included, bit h for half arm h.
   std::array<std::uint64_t, 2> gone_of(Index k) const;
   std::vector<std::uint64_t> gone() const; ///< of all owned particles, two words each
+  /// Numbers of the owned particles that lost bonds, ascending, and what `gone_of` has of each.
+  std::vector<std::pair<Index, std::array<std::uint64_t, 2>>> torn() const;
   /// Breaks the bonds that these words have, two words (`gone_of`) for each of `sites`, then of
   /// `halo_sites`. After `cut`.
   void set_gone(std::span<const std::uint64_t> words);

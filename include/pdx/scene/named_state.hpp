@@ -4,6 +4,7 @@
 #include "pdx/field/state.hpp"
 #include "pdx/scene/crack_notes.hpp"
 #include "pdx/scene/dormant.hpp"
+#include "pdx/scene/handed.hpp"
 #include "pdx/scene/scene_names.hpp"
 #include "pdx/solve/time_driver.hpp"
 
@@ -44,6 +45,16 @@ enum class Moves {
 /// The same of a scene in time. Collective.
 NamedState capture(const Standing& scene, const solve::TimeDriver& driver, const std::optional<CrackNotes>& cracks,
                    Moves moves = Moves::all);
+/// The same of a scene that is handed over: what broke of carried bonds and what rubs, of rows nothing. Collective.
+NamedState capture_around(const Standing& scene);
+/// What goes on of a scene that is handed over, in order of its rows: u, v, and what a CrackWatch has seen.
+struct Passing {
+  solve::MovingSystem::Values values;
+  std::optional<CrackNotes> cracks;
+  Index first_particle = 0; ///< local row
+};
+/// Adds what the rows had that do not stay. @param before of all rows, which becomes that of the rows now
+void add_leaving(NamedState& state, const Standing& now, const Handed& handed, Passing& before);
 
 /// Adds rows that the next layout will have to what a scene in the plane owns.
 /// @param fresh displacement, velocity; nodes or particles, of which nothing is broken
@@ -64,13 +75,15 @@ public:
     same,    ///< this run, under the same layout
     changed, ///< this run, under another layout
   };
-  /// Both must outlive this.
-  StateMove(const NamedState& state, const Standing& scene, From from = From::file);
+  /// All must outlive this. @param stay rows of this scene of which the state knows nothing; null: none
+  StateMove(const NamedState& state, const Standing& scene, From from = From::file,
+            const field::StayingRows* stay = nullptr);
   const Misfit& misfit() const { return misfit_; } ///< nothing below may be asked for what does not fit
 
-  /// 1 for each of the scene's rows that comes from behind the first so many of the state's on its rank, else 0.
-  std::vector<double> came_after(std::size_t known) const;
-  /// Values of the scene's rows. @param values of the state's rows x components
+  /// The scene's rows that come from behind the first so many of the state's on its rank, ascending.
+  std::vector<Index> came_after(std::size_t known) const;
+  std::span<const Index> rows() const { return coming_; } ///< of the scene, that the state is about; ascending
+  /// Values of these. @param values of the state's rows x components
   std::vector<double> rows(std::span<const double> values, int components) const;
   /// Breaks the bonds that are broken there.
   void break_bonds() const;
@@ -78,6 +91,8 @@ public:
   void hold_grips() const;
   field::State moving() const;
   std::optional<CrackNotes> cracks() const;
+  /// Damage of the particles that the state is about, among that of all.
+  void place_damage(std::vector<double>& damage) const;
 
   /// What the scene has no place for.
   Dormant dormant() const;
@@ -91,6 +106,7 @@ private:
   const NamedState& state_;
   Standing scene_;
   bool changed_;
+  std::vector<Index> coming_;
   SceneNames names_;
   field::RowMove rows_, particles_;
   Misfit misfit_;

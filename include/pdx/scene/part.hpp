@@ -35,10 +35,10 @@ struct Picture {
 /// Bonds of a state that broke, on their way to a part that may have other ranks and another layout.
 struct BrokenBonds {
   MPI_Comm comm = MPI_COMM_NULL;
-  int width = 0;                                       ///< words of a particle
-  std::vector<std::uint64_t> mine;                     ///< gone words of the part's own particles
-  std::vector<field::RowName> torn;                    ///< particles of the state that lost bonds, this rank's share
-  std::vector<std::uint64_t> torn_words;               ///< of each of them
+  int width = 0;                         ///< words of a particle
+  std::vector<std::uint64_t> mine;       ///< gone words of the part's own particles, but of those that stay
+  std::vector<field::RowName> torn;      ///< particles of the state that lost bonds, this rank's share
+  std::vector<std::uint64_t> torn_words; ///< of each of them
   const std::vector<std::uint64_t>* carried = nullptr; ///< keys that broke, of all ranks, ascending; null for none
   bool changed = false;                                ///< the state is of another layout of this run
 
@@ -73,6 +73,8 @@ public:
 
   /// Adds the names of the rows that it has, in their order.
   virtual void add_names(std::vector<field::RowName>&) const {}
+  /// The name of one of its rows, RowName() for a row of another part. Of parts in the plane.
+  virtual field::RowName row_name(Index) const { return {}; }
   /// Adds where its particles are counted from in files, patch by patch, and where the last of them ends.
   virtual void add_numbers(std::vector<PetscInt>&) const {}
 
@@ -113,12 +115,21 @@ public:
   virtual bool carries_bonds() const { return false; }
   virtual std::vector<std::uint64_t> broken_carried() const { return {}; } ///< this rank's
   virtual void break_bonds(const BrokenBonds&) {}                          ///< Collective.
+  virtual void add_torn(BrokenBonds&) const {} ///< of particles that stayed as they were when the layout changed
   ///@}
 
   /// Where its cracks can be followed, as the scene was given; none where they cannot.
   virtual std::vector<track::TreeGround> grounds(const options::SceneOptions&) const { return {}; }
-  virtual bool watches(std::size_t) const { return true; }      ///< owned particle k, of those
-  virtual Watched watched() const { return {}; }                ///< Collective.
+  virtual bool watches(std::size_t) const { return true; } ///< owned particle k, of those
+  virtual Watched watched() const { return {}; }           ///< Collective.
+  /// The same damage of some owned particles.
+  virtual std::vector<double> damage_of(std::span<const std::size_t> particles) const
+  {
+    const Watched all = watched();
+    std::vector<double> some;
+    for (const std::size_t k : particles) some.push_back(all.damage[k]);
+    return some;
+  }
   virtual std::vector<SeenParticle> seen() const { return {}; } ///< Collective.
   /// Counts the sites of a body's lattice that are particles or may become so, by their number along an axis, this
   /// rank's. Collective.

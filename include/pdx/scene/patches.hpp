@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/couple/surroundings.hpp"
+#include "pdx/field/row_name.hpp"
 #include "pdx/options/scene_options.hpp"
 #include "pdx/pd/particles.hpp"
 #include "pdx/pd/side_weights.hpp"
@@ -29,6 +30,9 @@ std::array<Index, 2> background_cells(const geom::Lattice<2>& lattice);
 /// Where patches lie, their sites named. Throws UserError for a spacing that does not fit.
 std::vector<couple::PatchShape> patch_shapes(const options::SceneOptions& options);
 
+/// Adds the names of some sites of a patch. @param sites their places in it, ascending
+void add_names(const couple::PatchShape& shape, std::span<const Index> sites, std::vector<field::RowName>& names);
+
 /// Lays out the patches before the mesh is built; completes the mesh options of peridynamics-only scenes (background
 /// cells of about 4 dx around body and layers). Throws UserError for a spacing that does not fit, naming one that does.
 /// @param known of another layout of the same scene, whose stencils are taken where spacings are the same; or null
@@ -38,10 +42,13 @@ PatchPlan plan_patches(const options::SceneOptions& options, mesh::MeshOptions& 
 /// particles.
 mesh::CellCost cell_cost(const PatchPlan& plan);
 
+/// Local cells whose middle a patch holds, ascending.
+std::vector<Index> cells_under(const mesh::Mesh& mesh, const couple::PatchShape& shape);
+
 /// Switches off the cells under the patches. Throws UserError if a patch leaves the mesh or cuts elements. Collective.
-/// @param frame of coordinates in messages
+/// @param frame of coordinates in messages   @param kept has covered patches that stay, and is told what others cover
 void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options,
-                 const geom::Frame& frame = {});
+                 const geom::Frame& frame = {}, Kept* kept = nullptr);
 
 /// The particles in the covered cells this rank owns, by patch and site. Collective.
 /// @param kept knows those of patches that stay; null: all are looked for

@@ -2,6 +2,7 @@
 #include "pdx/adapt/scene_view.hpp"
 #include "pdx/adapt/space_view.hpp"
 #include "pdx/fem/corner_areas.hpp"
+#include "pdx/scene/handed.hpp"
 #include "pdx/scene/layout.hpp"
 #include "pdx/scene/patches.hpp"
 #include "pdx/scene/point_plan.hpp"
@@ -58,8 +59,12 @@ public:
   /// are those of what it changes, so that their difference is what comes or goes. Both are collective.
   virtual void foresee(const Layout&) {}
   virtual void settle() {}
-  /// Another layout on the same mesh takes the place of this one. Collective.
-  virtual void change(const Layout&) { throw std::logic_error("a scene without patches that move"); }
+  /// Meanwhile, the rows that the change is about; nothing: all.
+  virtual std::optional<std::vector<std::array<Index, 2>>> changing_rows() const { return std::nullopt; }
+  /// Another layout on the same mesh takes the place of this one. Returns what of its rows goes on as it is; nothing
+  /// where all goes by name. Collective.
+  virtual std::optional<Handed> change(const Layout&) { throw std::logic_error("a scene without patches that move"); }
+  virtual bool hands_over(const Layout&) const { return false; } ///< will `change` to that return something?
   virtual std::vector<std::string> warnings() { return {}; }
 };
 

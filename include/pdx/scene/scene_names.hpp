@@ -8,6 +8,9 @@ public:
   /// What `scene` points to must outlive this. The rows of enriched sets are numbered.
   explicit SceneNames(const Standing& scene);
 
+  /// The same of some owned rows, ascending: only for these is there a name.
+  SceneNames(const Standing& scene, std::span<const Index> rows);
+
   std::span<const field::RowName> rows() const { return rows_; } ///< owned, in their order
   std::span<const field::RowName> particles() const;             ///< the last of them
 
@@ -17,5 +20,6 @@ public:
 private:
   const Model& model_;
   std::vector<field::RowName> rows_;
+  std::size_t particles_ = 0;
 };
 } // namespace pdx::scene

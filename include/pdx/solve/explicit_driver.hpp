@@ -20,7 +20,8 @@ class ExplicitDriver final : public TimeDriver {
 public:
   /// Throws UserError for a step above the limit, an end that is not given, a TS type that is not ours, or parts of
   /// steps where nothing is far or that save nothing. Collective.
-  ExplicitDriver(field::System& system, const ExplicitOptions& options);
+  /// @param known displacement and velocity to go on from; none: those of the start
+  ExplicitDriver(field::System& system, const ExplicitOptions& options, MovingSystem::Values known = {});
 
   std::span<const double> acceleration() const override;
   KineticEnergy kinetic_energy() const override;
@@ -38,6 +39,7 @@ private:
   StepOrigin origin() const override { return step_origin(ts_.get()); }
   void set_acceleration(const StepOrigin& origin, std::span<const double> a) override;
   void start(double time, std::span<double> a) override;
+  void start_again(double time, const StepOrigin& origin) override;
   void forces_again(double time) override;
   double last_part(double length) const override { return length / options_.parts; }
   void let_go(const field::ForceLosses& losses) override;

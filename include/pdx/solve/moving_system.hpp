@@ -2,6 +2,8 @@
 #include "pdx/field/parted.hpp"
 #include "pdx/field/system.hpp"
 
+#include <optional>
+
 namespace pdx::solve {
 /// Sums over all ranks. [J]
 struct KineticEnergy {
@@ -16,13 +18,17 @@ struct KineticEnergy {
 /// not how time is stepped.
 class MovingSystem {
 public:
+  /// Displacement and velocity of owned rows, where they are known already; empty: those of the start.
+  struct Values {
+    std::vector<double> u, v;
+  };
   /// The system, bound and with drives, must outlive this.
-  explicit MovingSystem(field::System& system);
+  explicit MovingSystem(field::System& system, Values known = {});
 
   field::System& system;
-  std::vector<double> u;    ///< [owned | halo] [m]
-  std::vector<double> v;    ///< owned [m/s]
-  std::vector<double> mass; ///< owned rows; of a set's row that of the far half, see field::Tie [kg]
+  std::vector<double> u;           ///< [owned | halo] [m]
+  std::vector<double> v;           ///< owned [m/s]
+  const std::vector<double>& mass; ///< owned rows; of a set's row that of the far half, see field::Tie [kg]
   std::size_t owned() const { return v.size(); }
   std::span<const field::Tie> ties() const { return ties_; }
 
@@ -88,9 +94,11 @@ public:
   /// Goes on from a state between steps: this rank's work, what damping took, `held_force`, and the loads of that time.
   void resume(double time, double work, const Damped& damped, std::span<const double> held_force);
 
+  /// From now on `momentum` (where nothing is tied) and `kinetic_energy` are those of some owned rows; nothing: of all.
+  void count_only(std::optional<std::vector<std::array<Index, 2>>> rows) { counted_ = std::move(rows); }
   /// Of all ranks [kg m/s]. Collective. @param v owned, as in `v`
   std::array<double, 3> momentum(std::span<const double> velocity) const;
-  /// @param a owned [m/s^2]   @param step length [s]   Collective.
+  /// @param a owned [m/s^2]; empty: `scheme` is left at 0   @param step length [s]   Collective.
   KineticEnergy kinetic_energy(std::span<const double> a, double step) const;
   /// Strain energy, and what broken bonds and damping have taken, of all ranks; the halo of u must be fresh.
   /// Collective. [J]
@@ -115,6 +123,7 @@ private:
   std::vector<Loose> loose_halves() const;
   template <class Move> void without_far_halves(double* values, Move&& move) const;
 
+  std::vector<std::array<Index, 2>> counted() const;
   template <std::size_t Dim> void divide_by_mass(std::span<double> f) const;
   template <std::size_t Dim> void add_squares(std::span<const double> a, double (&sums)[3]) const;
   double held_kinetic() const;
@@ -122,7 +131,7 @@ private:
   std::span<const field::Roller> rollers_of(Index row) const;
   void load_at(double time);
 
-  std::vector<double> inverse_mass_;
+  std::optional<std::vector<std::array<Index, 2>>> counted_;
   std::vector<field::Tie> ties_;
   std::vector<Loose> loose_;
   std::vector<Load> loads_;

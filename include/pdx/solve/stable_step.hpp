@@ -11,13 +11,16 @@ struct StableStep {
   std::array<double, 3> place{}; ///< of that row, unused components 0 [m]
 };
 
-/// (step / 2)^2 of each owned row, which no frequency that it alone bounds would exceed; infinite where nothing is
-/// stiff, 0 where there is no mass [s^2].
-/// @param known local rows of which nothing is asked, [first, end) each, ascending: theirs are infinite
-std::vector<double> row_limits(const field::System& system, std::span<const std::array<Index, 2>> known = {});
+/// (step / 2)^2 of some owned rows, one range after the other, which no frequency that it alone bounds would exceed;
+/// infinite where nothing is stiff, 0 where there is no mass [s^2].
+std::vector<double> row_limits(field::System& system, field::RowRanges wanted);
 
 /// The lumped mass of the owned rows, all Terms [kg].
 std::vector<double> lumped_mass(const field::System& system);
+/// Writes it down in the system, unless it is there.
+void know_mass(field::System& system);
+/// The same where that of some rows only is unknown: all others stand there already.
+void know_mass(field::System& system, field::RowRanges unknown);
 /// The ties of owned rows, all Terms.
 std::vector<field::Tie> ties_of(const field::System& system);
 

@@ -13,7 +13,7 @@ public:
   using AfterEach = std::function<Verdict()>;
 
   /// The system, bound and with drives, must outlive the driver. Collective.
-  explicit TimeDriver(field::System& system);
+  explicit TimeDriver(field::System& system, MovingSystem::Values known = {});
   virtual ~TimeDriver() = default;
   TimeDriver(const TimeDriver&) = delete;
   TimeDriver& operator=(const TimeDriver&) = delete;
@@ -59,8 +59,16 @@ public:
   field::State state() const;
   /// Goes on from a state, of this layout or carried to it. Collective.
   void resume(const Clock& clock, const field::State& state);
-  /// The same where rows are new: accelerations and forces are those of u and v. Collective.
-  void resume_changed(const Clock& clock, const field::State& state);
+  /// The same where rows are new: accelerations and forces are those of u and v, which stand in `values`. Collective.
+  void resume_changed(const Clock& clock);
+  /// Owned u and v, to be written to before `resume_changed`.
+  struct Place {
+    std::span<double> u, v;
+  };
+  Place values() { return {told_u_, told_v_}; }
+  /// u and v leave the driver, of which nothing may be asked any more. Collective.
+  MovingSystem::Values give_up();
+  void count_only(std::optional<std::vector<std::array<Index, 2>>> rows) { moving_.count_only(std::move(rows)); }
 
 protected:
   /// TS of this name with what all runs have in common, and the user's -ts_... on top.
@@ -73,6 +81,8 @@ protected:
   virtual void set_acceleration(const StepOrigin& origin, std::span<const double> a) = 0;
   /// What is held is where it should be, and the acceleration follows from where all is.
   virtual void start(double time, std::span<double> a) = 0;
+  /// The same where it stands, without copies.
+  virtual void start_again(double time, const StepOrigin& origin);
   /// What was worked out from u besides the acceleration, after u was set.
   virtual void forces_again(double time) { (void)time; }
   /// Of a step that has parts, the length of the last one [s].
@@ -105,8 +115,8 @@ private:
   void keep();
   const MovingSystem& caught_up() const { return catch_up(), moving_; }
   void copy_state(field::State& to) const;
-  /// @param forces does the state have accelerations, and the forces that hold?
-  void set_state(const Clock& clock, const field::State& state, bool forces = true);
+  void set_state(const Clock& clock, const field::State& state);
+  void set_clock(const Clock& clock, std::span<const double> held);
 
   double energy_bound_ = 0.0, start_bound_ = 0.0;
   mutable double behind_ = 0.0;       // [s]

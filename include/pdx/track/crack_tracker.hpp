@@ -35,8 +35,9 @@ public:
 
   /// Have particles come with another layout, on any rank? Collective.
   bool has_new() const;
+  std::vector<std::size_t> new_ones() const; ///< this rank's, ascending
   /// They begin with the damage they have: what they lose from here arrives.
-  /// @param damage as of `look`
+  /// @param damage as of `look`, of `new_ones`
   void note_new(std::span<const double> damage);
 
   /// A look at a time until which no bond broke since the last look.

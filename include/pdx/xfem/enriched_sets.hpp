@@ -61,7 +61,9 @@ public:
   std::pair<const CutElement*, Side> at(Index cell, const Vector<2>& x) const;
   int codes() const { return codes_; } ///< `EnrichedSet::crack` is below this
   const CutReport& report() const { return report_; }
-  const crack::CrackSet& cracks() const { return cracks_; }
+  const crack::CrackSet& cracks() const { return *cracks_; }
+  /// The same cracks stand elsewhere from now on.
+  void look_at(const crack::CrackSet& cracks) { cracks_ = &cracks; }
   /// Side of a point of a cut cell, which moves as a whole if snapped. Exact, as for bonds: no tolerance.
   Side side_in(const CutElement& cut, const Vector<2>& x) const;
 
@@ -74,7 +76,7 @@ private:
   EnrichedSet* find(Index vertex, int crack);
 
   const mesh::Mesh& mesh_;
-  const crack::CrackSet& cracks_;
+  const crack::CrackSet* cracks_;
   std::vector<Index> vertices_;
   std::vector<std::size_t> offsets_; // per local vertex, into sets_
   std::vector<EnrichedSet> sets_;

@@ -241,4 +241,87 @@ TEST(ElementSweep, EvenStretchPullsTheEndsWithTheStressOfTheSolid)
     for (std::size_t i = 0; i < r.size(); ++i) EXPECT_NEAR(r[i], expected[i], 1e-13 * scale) << i;
   }
 }
+
+/// Some elements of a grid, whose nodes are numbered where they have one: those of the lowest lines are owned.
+struct SomeElements {
+  const Grid& grid;
+  std::vector<std::uint8_t> there;
+  std::vector<Index> row; ///< per node of the grid, -1 without an element
+  Index owned = 0, rows = 0;
+
+  explicit SomeElements(const Grid& of) : grid(of), there(of.elements.size(), 1) { number(); }
+  void number()
+  {
+    row.assign(grid.points.size(), -1);
+    for (std::size_t k = 0; k < there.size(); ++k)
+      for (const Index n : grid.elements[k].rows)
+        if (there[k]) row[static_cast<std::size_t>(n)] = 0;
+    rows = 0;
+    for (std::size_t n = 0; n < row.size(); ++n) {
+      if (row[n] == 0) row[n] = rows++;
+      if (n + 1 == 4 * (static_cast<std::size_t>(grid.nx) + 1)) owned = rows;
+    }
+  }
+  ElementSweep::Element element(Index number) const
+  {
+    ElementSweep::Element of = grid.elements[static_cast<std::size_t>(number)];
+    for (Index& n : of.rows) n = row[static_cast<std::size_t>(n)];
+    of.counted = number % 17 > 2;
+    return of;
+  }
+  std::vector<Index> numbers() const
+  {
+    std::vector<Index> all;
+    for (std::size_t k = 0; k < there.size(); ++k)
+      if (there[k]) all.push_back(static_cast<Index>(k));
+    return all;
+  }
+  std::vector<double> values() const
+  {
+    std::vector<double> u(2 * static_cast<std::size_t>(rows));
+    for (std::size_t n = 0; n < row.size(); ++n)
+      if (row[n] >= 0) std::copy_n(grid.u.begin() + 2 * static_cast<std::ptrdiff_t>(n), 2, u.begin() + 2 * row[n]);
+    return u;
+  }
+};
+
+TEST(ElementSweep, IsToTheLastBitAsMadeAnewWhereElementsComeAndGo)
+{
+  std::mt19937 generator(11);
+  for (const double skew : {0.0, 0.2})
+    for (const Processor processor : processors()) {
+      const Grid grid(23, 9, skew);
+      SomeElements now(grid);
+      const auto source = [&now](Index number) { return now.element(number); };
+      const auto made = [&] {
+        return ElementSweep(kPlate, Kinematics::finite, now.numbers(), source, now.owned, processor);
+      };
+      ElementSweep sweep = made();
+      for (int change = 0; change < 60; ++change) {
+        std::vector<Index> leaving, entering;
+        const std::vector<Index> before = now.row;
+        const Index x = static_cast<Index>(generator() % 23), y = static_cast<Index>(generator() % 9);
+        const auto width = static_cast<Index>(1 + generator() % 6), height = static_cast<Index>(1 + generator() % 4);
+        for (Index j = y; j < std::min(9, y + height); ++j) // a box changes hands
+          for (Index i = x; i < std::min(23, x + width); ++i) {
+            std::uint8_t& is = now.there[static_cast<std::size_t>(23 * j + i)];
+            (is ? leaving : entering).push_back(23 * j + i);
+            is = !is;
+          }
+        now.number();
+        std::vector<Index> rows(before.size(), -1);
+        for (std::size_t n = 0; n < before.size(); ++n)
+          if (before[n] >= 0) rows[static_cast<std::size_t>(before[n])] = now.row[n];
+        sweep.change({leaving, entering, rows, now.owned}, source);
+        const ElementSweep anew = made();
+        std::vector<double> r(2 * static_cast<std::size_t>(now.owned), 0.0), expected = r;
+        sweep.add_force(now.values(), r);
+        anew.add_force(now.values(), expected);
+        ASSERT_EQ(r, expected) << "change " << change;
+        ASSERT_EQ(sweep.energy(now.values()), anew.energy(now.values()));
+        ASSERT_EQ(sweep.in_runs(), anew.in_runs());
+      }
+      EXPECT_GT(skew == 0.0 ? sweep.in_runs() : 1, 0);
+    }
+}
 } // namespace element_sweeps
