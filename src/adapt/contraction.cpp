@@ -170,10 +170,11 @@ private:
   }
 
   /// The crossings that elements to come can carry: up to the first cell that stays; of a crack that they have nothing
-  /// of yet the longest run between cells that stay. No end is in a sliver.
+  /// of yet the longest run between cells that stay, nothing of one that branches off another. No end is in a sliver.
   std::pair<std::size_t, std::size_t> run_of(const PatchCracks& patch, const Trail& trail) const
   {
     const std::vector<track::Crossing>& all = trail.found.crossings;
+    if (patch.branches_off(trail)) return {0, 0};
     const auto stays = [&](const track::Crossing& crossing) {
       const std::optional<std::size_t> beside = patch.across(crossing);
       return !chosen_.contains(patch.numbers()[crossing.cell]) ||

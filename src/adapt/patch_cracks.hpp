@@ -131,6 +131,16 @@ public:
     return tips;
   }
 
+  /// Does damage lead on behind a crack that elements have nothing of, to where one that they have goes on?
+  bool branches_off(const Trail& trail) const
+  {
+    return trail.other_tip && std::ranges::any_of(trails_, [&](const Trail& known) {
+             if (known.other_tip) return false;
+             const Vector<2> begin = known.found.crossings.empty() ? known.found.tip : known.found.crossings.front().in;
+             return (begin - *trail.other_tip).norm() < 2.0 * horizon();
+           });
+  }
+
   /// Does a crack come by that was followed no farther than by broken bonds? Some that hold may make one body of it.
   bool has_way_ahead(const geom::Box<2>& cell) const
   {
