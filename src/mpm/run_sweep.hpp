@@ -191,6 +191,9 @@ template <int W, int Dim, int R, class Work> struct RunSweep {
       if (count >= W) {
         load_lines(fields.u, run, at + W, next_u);
         if constexpr (Work::kRates) load_lines(fields.v, run, at + W, next_v);
+      } else {
+        end_lines(u, next_u);
+        if constexpr (Work::kRates) end_lines(v, next_v);
       }
       Lanes<W> here[2 * kLines][Dim], rate[2 * kLines][Dim], f[2 * kLines][Dim];
       to_corners(u, next_u, here);
@@ -222,6 +225,13 @@ private:
     PDX_UNROLL
     for (int line = 0; line < kLines; ++line)
       load_nodes<W, Dim>(from + (run.first[static_cast<std::size_t>(line)] + at) * Dim, run.cells + 1 - at, x[line]);
+  }
+  /// Nodes behind a run's last are that again: for lanes without a cell that are not calm laws would take longer.
+  static PDX_INLINE void end_lines(const NodeLanes<W, Dim> (&x)[kLines], NodeLanes<W, Dim> (&next)[kLines])
+  {
+    PDX_UNROLL
+    for (int line = 0; line < kLines; ++line)
+      for (int d = 0; d < Dim; ++d) next[line][d] = Lanes<W>{} + x[line][d][W - 1];
   }
   static PDX_INLINE void to_corners(const NodeLanes<W, Dim> (&x)[kLines], const NodeLanes<W, Dim> (&next)[kLines],
                                     Lanes<W> (&to)[2 * kLines][Dim])

@@ -83,11 +83,18 @@ template <class T> PDX_INLINE void rotate(const Gradient<3, T>& h, Gradient<3, T
     x -= step;
   };
   fall();
-  if (any_true((step * step <= kNewton) == 0)) { // not a number either
-    x = first / (3.0 + root(9.0 + 3.0 * first)) * 3.0;
+  auto going = (step * step <= kNewton) == 0; // not a number either; each lane stops by itself, whoever is beside it
+  if (any_true(going)) {
+    x = going ? first / (3.0 + root(9.0 + 3.0 * first)) * 3.0 : x;
     int turns = 0;
-    do fall();
-    while (++turns < 60 && any_true(step * step > kNewton));
+    do {
+      const T there = x, last = step, slope = per_slope;
+      fall();
+      x = going ? x : there;
+      step = going ? step : last;
+      per_slope = going ? per_slope : slope;
+      going &= step * step > kNewton;
+    } while (++turns < 60 && any_true(going));
   }
   growth = x;
   const T first_factor = 10.0 + (6.0 + x) * x + first, second_factor = 6.0 + 2.0 * x;
@@ -229,12 +236,18 @@ private:
       w -= step;
     };
     rise();
-    if (any_true((step * step <= kNewton) == 0)) { // not a number either
-      const T stretch = 1.0 + grown, least = 1.0 / (stretch * stretch) - 1.0;
-      w = log > 0.0 && least > from ? least : from;
+    auto going = (step * step <= kNewton) == 0; // as in `rotate`
+    if (any_true(going)) {
+      const T stretch = 1.0 + grown, least = 1.0 / (stretch * stretch) - 1.0,
+              start = log > 0.0 && least > from ? least : from;
+      w = going ? start : w;
       int turns = 0;
-      do rise();
-      while (++turns < 60 && any_true(step * step > kNewton));
+      do {
+        const T there = w;
+        rise();
+        w = going ? w : there;
+        going &= step * step > kNewton;
+      } while (++turns < 60 && any_true(going));
     }
     return w;
   }
