@@ -3,9 +3,11 @@
 #include "pdx/base/error.hpp"
 #include "pdx/base/events.hpp"
 #include "pdx/base/gather.hpp"
+#include "pdx/mpm/cell_points.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
 #include <string>
 #include <utility>
@@ -15,7 +17,6 @@ namespace {
 constexpr double kOnNode = 1e-9;       // of a cell
 constexpr double kMostNodes = 1 << 23; // of one rank that has all: beyond that memory is short
 constexpr double kNodesPerPoint = 16.0;
-constexpr const char* kTooFar = "material points are too far apart for one grid";
 
 /// Numbers of cells begin where a point sees other nodes.
 double begin_of(Shape shape) { return shape == Shape::hat ? 0.0 : -0.5; }
@@ -43,7 +44,7 @@ void GridMotion<Dim>::resume(std::vector<std::vector<GridPoint<Dim>>> points, do
   } catch (const SolverFailure&) {
     far = true;
   }
-  if (any_rank(comm_, far)) throw SolverFailure(kTooFar);
+  if (any_rank(comm_, far)) throw TooFarApart(0.0);
   work_ = work;
   lay_grid();
 }
@@ -68,8 +69,20 @@ template <int Dim> void GridMotion<Dim>::lay_grid()
     lower[d] -= d == 0 ? PointLanes<Dim>::kLanes : 1;
     upper[d] += d == 0 ? PointLanes<Dim>::kLanes : 1;
   }
-  if (too_wide(lower, upper, any)) throw SolverFailure(kTooFar);
+  if (too_wide(lower, upper, any)) {
+    double fastest = 0.0;
+    for (std::size_t b = 0; b < points_.size(); ++b)
+      for (const GridPoint<Dim>& p : this->points(b)) fastest = std::max(fastest, p.v.norm());
+    throw TooFarApart(fastest);
+  }
   nodes_ = GridNodes<Dim>(comm_, lower, upper);
+  find_seen();
+  share_nodes();
+}
+
+template <int Dim> void GridMotion<Dim>::share_nodes()
+{
+  nodes_.share(first_seen_, last_seen_);
   find_borders();
 }
 
@@ -241,21 +254,61 @@ template <int Dim> const std::vector<PointLanes<Dim>>& GridMotion<Dim>::ended(do
   return ended_;
 }
 
+/// What ended a step. Collective.
+/// @param why what this rank says, if anything   @param speed of its fastest point, if that may be the cause [m/s]
+template <int Dim> std::string GridMotion<Dim>::failure(const std::string& why, double speed) const
+{
+  double sound = 0.0;
+  for (const BodyMaterial& body : bodies_)
+    sound = std::max(sound, std::sqrt(law_tangent<Dim>(body, Tensor<Dim>::Zero())(0, 0) / body.elastic.density));
+  MPI_Allreduce(MPI_IN_PLACE, &speed, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  if (speed > sound) {
+    const bool known = rule_.order == Order::usl && rule_.shape == Shape::hat;
+    return fmt::format("the motion has blown up, a material point flies at {:.3g} m/s, {:.3g} times the speed of "
+                       "sound{}",
+                       speed, speed / sound,
+                       known ? " (-mpm_order usl does so with -mpm_shape hat, where nodes have little mass: give musl)"
+                             : "");
+  }
+  return why.empty() ? "material points have left for nowhere" : why;
+}
+
 template <int Dim> void GridMotion<Dim>::regroup()
 {
   static Event event("mpm_regroup");
   const Timed timed(event);
-  int change = 0; // 1: blocks are others; 2: a point is lost
+  enum Change { none, seen, blocks, lost };
+  int change = none;
+  bool refilled = false;
   std::string why;
+  double speed = 0.0;
   try {
-    for (PointLanes<Dim>& points : points_) change = points.regroup() ? change : 1;
-  } catch (const SolverFailure& failure) {
-    why = failure.what();
-    change = 2;
+    for (PointLanes<Dim>& points : points_) change = points.regroup() ? change : blocks;
+    if (change == none) {
+      const std::pair before(first_seen_, last_seen_);
+      refilled = find_seen();
+      if (before != std::pair(first_seen_, last_seen_)) change = seen;
+    }
+  } catch (const TooFarApart& far) {
+    why = far.what();
+    speed = far.speed;
+    change = lost;
+  } catch (const SolverFailure& nowhere) {
+    why = nowhere.what();
+    change = lost;
   }
   MPI_Allreduce(MPI_IN_PLACE, &change, 1, MPI_INT, MPI_MAX, comm_);
-  if (change == 2) throw SolverFailure(why.empty() ? "material points have left for nowhere" : why);
-  if (change == 1) lay_grid();
+  if (change == lost) throw SolverFailure(failure(why, speed));
+  if (change == blocks) {
+    try {
+      lay_grid();
+    } catch (const TooFarApart& far) {
+      throw SolverFailure(failure(far.what(), far.speed));
+    }
+  } else if (change == seen)
+    share_nodes();
+  else if (refilled)
+    find_borders();
 }
 
 template <int Dim> PointEnergies GridMotion<Dim>::energies() const

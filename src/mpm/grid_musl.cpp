@@ -25,6 +25,33 @@ template <int Dim> SomeBlocks GridMotion<Dim>::layer_of(std::size_t body, Index 
   return {from, from + wide};
 }
 
+/// @return whether other blocks have points than before; on one rank that does not matter
+template <int Dim> bool GridMotion<Dim>::find_seen()
+{
+  int ranks = 1;
+  MPI_Comm_size(comm_, &ranks);
+  if (ranks == 1) return false;
+  const auto [first, count] = grid_musl::reach_of(rule_.shape);
+  bool others = false;
+  first_seen_.fill(std::numeric_limits<Index>::max());
+  last_seen_.fill(std::numeric_limits<Index>::min());
+  filled_.resize(points_.size());
+  for (std::size_t b = 0; b < points_.size(); ++b) {
+    const std::span<const typename PointLanes<Dim>::Block> blocks = points_[b].blocks();
+    filled_[b].resize(blocks.size());
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      const std::uint8_t any = blocks[k].slots > 0;
+      others |= std::exchange(filled_[b][k], any) != any;
+      for (std::size_t d = 0; any && d < Dim; ++d) {
+        const Index low = blocks[k].cell[d] + first;
+        first_seen_[d] = std::min(first_seen_[d], low);
+        last_seen_[d] = std::max(last_seen_[d], low + count - 1 + (d == 0 ? PointLanes<Dim>::kLanes - 1 : 0));
+      }
+    }
+  }
+  return others;
+}
+
 template <int Dim> void GridMotion<Dim>::find_borders()
 {
   const auto [first, count] = grid_musl::reach_of(rule_.shape);
@@ -33,17 +60,18 @@ template <int Dim> void GridMotion<Dim>::find_borders()
   for (std::size_t b = 0; b < points_.size(); ++b) {
     const PointLanes<Dim>& points = points_[b];
     for (Index layer = points.lowest()[Dim - 1]; points.size() > 0 && layer <= points.highest()[Dim - 1]; ++layer) {
-      std::vector<SomeBlocks>& inner = inner_[b].emplace_back();
+      std::vector<SomeBlocks>&inner = inner_[b].emplace_back(), *before = nullptr;
       const SomeBlocks all = layer_of(b, layer);
       for (std::size_t k = all.from; k < all.to; ++k) {
+        if (!filled_.empty() && !filled_[b][k]) continue; // may lie within a list, to which it gives nothing
         Site<Dim> lower = points.blocks()[k].cell, upper = lower;
         for (std::size_t d = 0; d < Dim; ++d) {
           lower[d] += first;
           upper[d] += first + count - 1 + (d == 0 ? PointLanes<Dim>::kLanes - 1 : 0);
         }
         std::vector<SomeBlocks>& list = nodes_.is_shared(lower, upper) ? border_[b] : inner;
-        if (!list.empty() && list.back().to == k)
-          ++list.back().to;
+        if (std::exchange(before, &list) == &list)
+          list.back().to = k + 1;
         else
           list.push_back({k, k + 1});
       }
@@ -133,6 +161,7 @@ template <int Dim> void GridMotion<Dim>::musl_step(double end, double length, do
 
 #define PDX_INSTANTIATE(Dim)                                                                                           \
   template SomeBlocks GridMotion<Dim>::layer_of(std::size_t, Index) const;                                             \
+  template bool GridMotion<Dim>::find_seen();                                                                          \
   template void GridMotion<Dim>::find_borders();                                                                       \
   template std::pair<std::size_t, std::size_t> GridMotion<Dim>::nodes_of(const Layers&) const;                         \
   template void GridMotion<Dim>::take_from(std::size_t, Taking, const SomeBlocks&);                                    \

@@ -30,13 +30,17 @@ GridNodes<Dim>::GridNodes(MPI_Comm comm, const Site<Dim>& lower, const Site<Dim>
   const auto next = [&] { return std::exchange(list, list + size_); };
   view_.mass = next();
   for (auto* lists : {&view_.velocity, &view_.pull, &view_.brought}) std::ranges::generate(*lists, next);
+}
 
+template <int Dim> void GridNodes<Dim>::share(const Site<Dim>& lower, const Site<Dim>& upper)
+{
   int rank = 0, ranks = 1;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &ranks);
+  MPI_Comm_rank(comm_, &rank);
+  MPI_Comm_size(comm_, &ranks);
   if (ranks == 1) return;
+  shared_.clear();
   owned_.assign(size_, 1);
-  const std::vector<NodeEnds<Dim>> all = gather_all(comm, std::vector{NodeEnds<Dim>{lower, upper}});
+  const std::vector<NodeEnds<Dim>> all = gather_all(comm_, std::vector{NodeEnds<Dim>{lower, upper}});
   for (int other = 0; other < ranks; ++other) {
     NodeEnds<Dim> both{lower, upper};
     bool any = other != rank;

@@ -1,8 +1,7 @@
 #include "pdx/mpm/point_lanes.hpp"
 
-#include "pdx/base/error.hpp"
-
 #include <cmath>
+#include <numeric>
 
 namespace pdx::mpm {
 namespace {
@@ -57,6 +56,7 @@ template <int Dim> void PointLanes<Dim>::settle(std::vector<GridPoint<Dim>> poin
       upper_[d] = cells.size() == 1 ? cells.back()[d] : std::max(upper_[d], cells.back()[d]);
     }
   }
+  const auto most = [](double a, double b) { return std::max(a, b); };
   std::size_t all = 1;
   for (std::size_t d = 0; d < Dim; ++d) {
     lower_[d] -= kMargin;
@@ -66,7 +66,8 @@ template <int Dim> void PointLanes<Dim>::settle(std::vector<GridPoint<Dim>> poin
     if (d == 0) upper_[0] = lower_[0] + count_[0] * kLanes - 1;
     all *= static_cast<std::size_t>(count_[d]);
     if (all > std::max(kMostBlocks, kBlocksPerPoint * size_))
-      throw SolverFailure("material points are too far apart for one grid");
+      throw TooFarApart(std::transform_reduce(points.begin(), points.end(), 0.0, most,
+                                              [](const GridPoint<Dim>& p) { return p.v.norm(); }));
   }
   blocks_.assign(all, {});
   for (std::size_t k = 0; k < all; ++k) {

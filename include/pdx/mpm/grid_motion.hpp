@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -69,9 +70,12 @@ private:
     Index from = std::numeric_limits<Index>::min(), to = std::numeric_limits<Index>::max();
   };
   void lay_grid();
+  bool find_seen();
+  void share_nodes();
   void find_borders();
   bool too_wide(const Site<Dim>& lower, const Site<Dim>& upper, bool any) const;
   void regroup();
+  std::string failure(const std::string& why, double speed) const;
   void give_all(const Giving& what);
   void take_all(const Taking& what);
   void settle_velocity(bool momentum, bool force, double kick);
@@ -91,6 +95,12 @@ private:
   std::vector<Vector<Dim>> push_;
   std::vector<GridHold<Dim>> holds_;
   GridNodes<Dim> nodes_;
+  /// On several ranks, so that the order of sums depends on where points are and not on where they were: blocks with
+  /// points, by body, and the box of the nodes that those see.
+  ///@{
+  std::vector<std::vector<std::uint8_t>> filled_;
+  Site<Dim> first_seen_{}, last_seen_{};
+  ///@}
   std::vector<std::vector<std::vector<SomeBlocks>>> inner_; ///< by body and layer: whose nodes no other rank has
   std::vector<std::vector<SomeBlocks>> border_;             ///< by body: the others
   double work_ = 0.0, time_ = 0.0;                          ///< [J]; at the end of the last step [s]

@@ -6,12 +6,14 @@
 #include <vector>
 
 namespace pdx::mpm {
-/// The nodes of a grid that this rank's points may see: a box of them, and how its sums meet those of other ranks.
+/// The nodes of a box of a grid, in which this rank's points are, and how their sums meet those of other ranks.
 template <int Dim> class GridNodes {
 public:
-  /// @param lower, upper numbers of the corner nodes, both within   Collective.
+  /// @param lower, upper numbers of the corner nodes, both within
   GridNodes() = default;
   GridNodes(MPI_Comm comm, const Site<Dim>& lower, const Site<Dim>& upper);
+  /// Says which nodes this rank's points see now, at most: a box of them, in that of all. Collective.
+  void share(const Site<Dim>& lower, const Site<Dim>& upper);
 
   const NodeView<Dim>& view() const { return view_; }
   std::span<const double> mass() const { return {view_.mass, size_}; }
@@ -25,13 +27,13 @@ public:
   } ///< this rank counts it in sums over nodes
 
   void clear(double* list) { std::fill_n(list, size_, 0.0); }
-  /// Has another rank a node of that box too?
+  /// Does this rank see a node of that box, and another too?
   bool is_shared(const Site<Dim>& lower, const Site<Dim>& upper) const;
   /// Adds up lists of this rank and others. Collective.
   void add_up(std::span<double* const> lists);
 
 private:
-  /// Nodes that another rank has too, as pieces of lines.
+  /// Nodes that another rank sees too, as pieces of lines.
   struct Shared {
     int rank = 0;
     Site<Dim> lower{}, upper{};

@@ -1,5 +1,6 @@
 #pragma once
 #include "pdx/base/aligned.hpp"
+#include "pdx/base/error.hpp"
 #include "pdx/base/tensor.hpp"
 
 #include <algorithm>
@@ -8,6 +9,13 @@
 #include <vector>
 
 namespace pdx::mpm {
+/// Points that lie too far apart for one grid.
+struct TooFarApart : SolverFailure {
+  double speed; ///< of the fastest [m/s]
+  explicit TooFarApart(double fastest) : SolverFailure("material points are too far apart for one grid"), speed(fastest)
+  {}
+};
+
 /// What a point on a grid that is fixed in space is.
 template <int Dim> struct GridPoint {
   Index id = 0;                         ///< among the points of its body on its rank

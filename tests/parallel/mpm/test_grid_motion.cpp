@@ -113,6 +113,40 @@ TEST(GridMotion, RanksMovePointsAlike)
   }
 }
 
+/// From its points alone, whatever cells they were in before.
+template <int Dim> void expect_resumed(std::vector<GridPoint<Dim>> all, int steps)
+{
+  const BodyMaterial body = material(1e3, 0.3, 10.0);
+  const double dt = 0.2 * 2.0 * kCells / std::sqrt(1e3 / 10.0 / 0.91);
+  for (auto& p : all) {
+    p.v.template head<2>() += Vector<2>(-0.8 * p.at[1] + 2.0, 0.8 * p.at[0]);
+    p.h *= 10.0;
+  }
+  for (const Shape shape : kShapes)
+    for (const Order order : {Order::musl, Order::usf}) {
+      SCOPED_TRACE(testing::Message() << Dim << static_cast<int>(shape) << static_cast<int>(order));
+      const auto motion_of = [&](std::vector<GridPoint<Dim>> points) {
+        return GridMotion<Dim>(PETSC_COMM_WORLD, rule(shape, order), Vector<Dim>::Zero(), {body}, {std::move(points)});
+      };
+      GridMotion<Dim> whole = motion_of(mine<Dim>(all));
+      for (int k = 0; k < steps; ++k) whole.step(k * dt, dt, dt);
+      GridMotion<Dim> rest = motion_of(whole.points(0));
+      for (int k = steps; k < 2 * steps; ++k) {
+        whole.step(k * dt, dt, dt);
+        rest.step(k * dt, dt, dt);
+      }
+      const auto a = whole.points(0), b = rest.points(0);
+      for (std::size_t k = 0; k < a.size(); ++k)
+        EXPECT_TRUE(a[k].at == b[k].at && a[k].v == b[k].v && a[k].h == b[k].h) << k;
+    }
+}
+
+TEST(GridMotion, GoesOnFromItsPointsToTheLastBit)
+{
+  expect_resumed<2>(uneven<2>(32), 40);
+  expect_resumed<3>(uneven<3>(6), 30);
+}
+
 TEST(GridMotion, ABodyThatFliesFeelsNothing)
 {
   const BodyMaterial body = material(1e4, 0.3, 1.0);
