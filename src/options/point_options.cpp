@@ -2,6 +2,7 @@
 
 #include "pdx/mesh/gmsh.hpp"
 #include "pdx/options/adapt_options.hpp"
+#include "pdx/options/polygon.hpp"
 #include "pdx/options/scene_options.hpp"
 
 #include <algorithm>
@@ -60,18 +61,6 @@ void read_holes(Options& o, const std::string& stem, PointShape& shape)
   for (std::size_t k = 0; k < v.size(); k += 3) shape.holes.push_back(*ball_of(name, {v[k], v[k + 1], v[k + 2]}));
 }
 
-void read_polygon(Options& o, const std::string& stem, PointShape& shape)
-{
-  const std::vector<double> v =
-      numbers(o, stem + "_polygon", 0, "corners of a polygon in order: x0,y0,x1,y1,x2,y2,...");
-  if (v.size() % 2 || (!v.empty() && v.size() < 6))
-    throw UserError(fmt::format("{}_polygon has {} numbers: must be x,y of three corners or more", stem, v.size()));
-  for (std::size_t k = 0; k < v.size(); k += 2) {
-    const std::size_t next = (k + 2) % v.size();
-    shape.border.push_back({Vector<2>(v[k], v[k + 1]), Vector<2>(v[next], v[next + 1])});
-  }
-}
-
 void read_region(Options& o, const std::string& stem, bool describe, PointShape& shape)
 {
   const std::string file =
@@ -91,7 +80,7 @@ PointShape read_shape(Options& o, const std::string& stem, bool solid, bool desc
   shape.disc = ball_of(stem + "_disc", numbers(o, stem + "_disc", 3, "a disc: x,y,radius (solid: a cylinder along z)"));
   read_holes(o, stem, shape);
   shape.sphere = ball_of(stem + "_sphere", numbers(o, stem + "_sphere", 4, "solid: a sphere: x,y,z,radius"));
-  read_polygon(o, stem, shape);
+  shape.border = read_polygon(o, stem + "_polygon");
   read_region(o, stem, describe, shape);
   shape.file = o.text(stem + "_file", "", "points on a lattice from a file *.csv or *.h5, as of -pd_cloud");
   const std::vector<double> z =
@@ -255,8 +244,10 @@ PointOptions PointOptions::read(const law::Elastic& elastic, bool solid, bool de
       "bonds of particles act on points up to the border of both; or whole on the points themselves (APDMPM)"));
   static constexpr const char* orders[] = {"musl", "usl", "usf"};
   static constexpr const char* shapes[] = {"hat", "gimp", "bspline"};
-  points.grid.order = static_cast<mpm::Order>(o.choice(
-      "-mpm_order", 0, orders, "updated: stress last, by velocities of moved points; last; or first in a step"));
+  points.grid.order =
+      static_cast<mpm::Order>(o.choice("-mpm_order", 0, orders,
+                                       "updated: stress last, by velocities of moved points; last, which with hats may "
+                                       "blow up where nodes have little mass; or first in a step"));
   points.grid.shape = static_cast<mpm::Shape>(o.choice(
       "-mpm_shape", 0, shapes, "updated: hats, hats meant over a point's square (uGIMP), quadratic B-splines"));
   points.grid.pic = o.real("-mpm_pic", 0.0, "-",
@@ -372,9 +363,22 @@ void judge_solved(const SceneOptions& s)
 }
 } // namespace
 
+namespace {
+/// In space points have no elements beside them.
+void refuse_elements(const SceneOptions& s)
+{
+  const Options o("mesh");
+  for (const char* name : {"-mesh_cells", "-mesh_file", "-mesh_lower", "-mesh_upper"})
+    if (s.solid && o.given(name))
+      throw UserError(fmt::format(
+          "{} is of elements, and in space (-material_plane solid) none stand beside -mpm_bodies: drop it", name));
+}
+} // namespace
+
 void judge_points(const SceneOptions& s)
 {
   refuse_other_physics(s);
+  if (!s.mixed_in_space()) refuse_elements(s);
   judge_grid(s);
   if (s.time.analysis != Analysis::explicit_dynamics) judge_solved(s);
   if (s.mixed()) judge_mixed(s);
