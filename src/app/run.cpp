@@ -49,8 +49,9 @@ void run(MPI_Comm comm, double begin)
     options.points.skips_rest = false;
   }
   record::RunFiles files(comm, options, begin);
-  for (const auto& warnings : {options.warnings, scene::option_warnings(options)})
-    for (const std::string& warning : warnings) files.warn(warning);
+  std::vector<std::string> warnings = scene::option_warnings(options);
+  warnings.insert(warnings.begin(), options.warnings.begin(), options.warnings.end());
+  files.warn_later(std::move(warnings));
   for (const std::string& note : options.notes) files.progress.line(note);
   try {
     if (options.time.dynamic())

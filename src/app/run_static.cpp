@@ -35,12 +35,12 @@ public:
   void run()
   {
     lay();
-    for (const std::string& warning : scene_.ground().warnings()) files_.warn(warning);
-    files_.warn(scene::region_warning(scene_.ground().options, scene_.ground().mesh, scene_.ground().particles));
     scene_.build();
     const std::vector<double> at_rest(2 * static_cast<std::size_t>(d().system.halo->size()), 0.0);
     record::require_contours({scene_.ground().mesh, files_.options, scene_.plan(), d(), at_rest});
     stop_if_told(files_.comm());
+    for (const std::string& warning : scene_.ground().warnings()) files_.warn(warning);
+    files_.warn(scene::region_warning(scene_.ground().options, scene_.ground().mesh, scene_.ground().particles));
     if (mover_.follows()) files_.warn(mover_.begin(scene_.view(), scene_.plan()));
     recorder_.built(scene_.ground().mesh, d());
     solve::LoadPath path(files_.options.load.steps, files_.options.load.halvings);

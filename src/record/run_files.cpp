@@ -74,6 +74,7 @@ void RunFiles::take_scene(const scene::Standing& standing)
 void RunFiles::built(const scene::Standing& standing)
 {
   take_scene(standing);
+  for (const std::string& line : std::exchange(waiting_, {})) warn(line);
   const auto& unknowns = summary.unknowns;
   const auto elements = unknowns.fe + unknowns.enriched;
   const std::string grids = fmt::format("the grids of {} material points", unknowns.mpm);

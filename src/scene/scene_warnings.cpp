@@ -1,11 +1,13 @@
 #include "pdx/scene/scene_warnings.hpp"
 
+#include "condition_sides.hpp"
 #include "pdx/base/given_options.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <optional>
 
 namespace pdx::scene {
 namespace {
@@ -91,6 +93,35 @@ std::string load_warning(const options::SceneOptions& options)
          "_displacement that is not 0 (in time also _velocity or _initial_velocity)";
 }
 
+/// Does the shape of a body end in a plane on that side? Of a file that is not known.
+bool is_straight(const options::PointShape& shape, const BoxSide& on)
+{
+  constexpr double near = 1e-9; // of the size
+  if (shape.sphere) return false;
+  if (shape.disc) return on.axis == 2;
+  if (shape.border.empty() || on.axis == 2) return true;
+  const geom::Box<3> around = shape.around();
+  const auto axis = static_cast<Eigen::Index>(on.axis);
+  const double side = (on.high ? around.upper : around.lower)[axis], off = near * around.size().head<2>().maxCoeff();
+  return std::ranges::any_of(shape.border, [&](const auto& edge) {
+    return std::abs(edge[0][axis] - side) <= off && std::abs(edge[1][axis] - side) <= off;
+  });
+}
+
+/// Faces of points on a side are those of the outermost ones: of a round body few.
+std::string round_warning(const options::SceneOptions& options, const options::BoundaryCondition& c)
+{
+  const std::optional<BoxSide> on = box_side(c.on, options.solid ? 3 : 2);
+  if (!on || !(c.traction || c.springs)) return {};
+  for (const options::PointBodyOptions& body : options.points.bodies)
+    if ((c.of.empty() || c.of == body.name) && !is_straight(body.shape, *on))
+      return fmt::format(
+          "-bc_{0}_{1} acts on the outermost points of {2} alone, which is not straight on its side {3}: "
+          "a force on all of it is -bc_{0}_body",
+          c.name, c.traction ? "traction" : "spring", body.name, c.on);
+  return {};
+}
+
 /// What moves a body: a component that is not given is free, which is easily forgotten in space.
 std::string third_warning(const options::BoundaryCondition& c)
 {
@@ -157,6 +188,7 @@ std::vector<std::string> option_warnings(const options::SceneOptions& options)
 {
   std::vector<std::string> lines{time_warning(options), static_warning(options), rest_warning(options),
                                  turn_warning(options), load_warning(options),   table_warning(options)};
+  for (const options::BoundaryCondition& c : options.conditions) lines.push_back(round_warning(options, c));
   if (options.solid)
     for (const options::BoundaryCondition& c : options.conditions) lines.push_back(third_warning(c));
   const std::vector<std::string> of_regions = options::region_warnings(options);

@@ -394,6 +394,14 @@ class Grid(program.ProgramTest):
         self.assertEqual(len(run.err.splitlines()), 1)
         self.assertRegex(run.err, r"^error: step \d+, time .* is kept; try a smaller -ts_dt")
 
+    def test_a_block_that_blows_up_by_stress_from_too_little_mass_is_told_so(self):
+        block = SOFT | GRID | {"-mpm_bodies": "a", "-mpm_a_box": "0,0,0.02,0.01", "-mpm_a_spin": "50", "-ts_safety": "0.2",
+                               "-ts_max_steps": "300"}  # fmt: skip
+        run = self.launch(block | {"-mpm_order": "usl"})
+        self.assertEqual(run.status, 2)
+        self.assertRegex(run.err, r"^error: step \d+, time [^\n]*blown up, a material point flies at [\d.e+]+ m/s.*-mpm_order usl[^\n]*is kept[^\n]*\n$")
+        self.assertEqual(self.launch(block | {"-mpm_order": "usl", "-mpm_shape": "gimp"}).status, 0)
+
 
 if __name__ == "__main__":
     program.main()

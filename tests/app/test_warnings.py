@@ -152,6 +152,26 @@ class Warnings(program.ProgramTest):
                 "-mesh_upper": None, "-mesh_cells": None, "-mpm_skip_rest": "false"}  # fmt: skip
         self.assert_warned(self.launch(program.SMALL | body), "-mpm_skip_rest is of explicit steps, and changes nothing here")
 
+    def test_a_traction_on_a_round_side(self):
+        disc = {"-case": "disc", "-analysis": "explicit", "-material_young": "1e6", "-material_density": "1", "-mpm_bodies": "a",
+                "-mpm_a_disc": "0,0,0.01", "-mpm_spacing": "1e-3", "-ts_max_steps": "2", "-bc_names": "p", "-bc_p_on": "left",
+                "-bc_p_traction": "1,0", "-quiet": ""}  # fmt: skip
+        self.assert_warned(self.launch(disc), r"-bc_p_traction acts on the outermost points of a alone.*not straight on its side left")
+        square = disc | {"-mpm_a_disc": None, "-mpm_a_polygon": "0,0,0.01,0,0.01,0.01,0,0.01"}
+        self.assertEqual(self.launch(square).err, "")
+        slanted = disc | {"-mpm_a_disc": None, "-mpm_a_polygon": "0,0,0.02,0,0.02,0.01,0.01,0.01"}
+        self.assert_warned(self.launch(slanted), r"-bc_p_traction acts on the outermost points of a alone")
+
+    def test_a_scene_that_is_refused_says_its_error_alone(self):
+        # Nothing moves these bodies, which is warned about where they may stand.
+        bodies = {"-case": "two", "-analysis": "explicit", "-material_young": "1e6", "-material_density": "1", "-mpm_spacing": "0.1",
+                  "-mpm_bodies": "a,b", "-mpm_a_box": "0,0,1,1", "-mpm_b_box": "1.5,0,2.5,1", "-ts_max_steps": "2", "-quiet": ""}  # fmt: skip
+        self.assert_warned(self.launch(bodies), "nothing loads or moves the body")
+        for ranks in (1, 2):
+            run = self.launch(bodies | {"-mpm_b_box": "0.5,0,1.5,1"}, ranks)
+            self.assertEqual(run.status, 1)
+            self.assertRegex(run.err, r"^error: [^\n]*overlap[^\n]*\n$")
+
     def test_a_crack_on_a_row_of_particles(self):
         # Rows at 0.25 + 0.125 (k + 1/2): 0.4375 is one, 0.5 lies between two.
         crack = {"-crack_names": "a", "-crack_a_points": "0.3,0.4375,0.7,0.4375"}

@@ -49,6 +49,8 @@ public:
   /// A line on standard error, even when quiet; none for "". With -warnings_are_errors it ends the run: throws
   /// UserError. Collective, with the same text on every rank.
   void warn(const std::string& what);
+  /// Lines for `warn` when the scene stands: of what is refused before, its error alone is said.
+  void warn_later(std::vector<std::string> lines) { waiting_ = std::move(lines); }
   /// Columns of the reactions of held parts, one for each direction.
   void add_reaction_columns(std::vector<io::Column>& columns) const;
   /// Where patches move: particles, elements, changes so far, and the energy that they brought [J].
@@ -90,7 +92,8 @@ private:
   double begin_;
   std::unique_ptr<io::RunLock> lock_; // of the directory
   Probes probes_;
-  std::vector<io::Column> columns_; // of history.csv; none: not asked for
+  std::vector<std::string> waiting_; // warnings
+  std::vector<io::Column> columns_;  // of history.csv; none: not asked for
   bool room_made_ = false;
   std::int64_t elements_ = 0; // of all ranks
 };
