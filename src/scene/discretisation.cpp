@@ -293,7 +293,7 @@ std::unique_ptr<Discretisation> discretise(mesh::Mesh& mesh, const options::Scen
   for (std::size_t k = 1; options.regions && k < options.regions->count(); ++k)
     system.scale = std::max(system.scale, options.regions->elastic(k).young * options.regions->elastic(k).thickness);
   add_elements(mesh, options, areas, d, kept);
-  if (points) add_points(mesh, options, plan, *points, d);
+  if (points) add_points(mesh, options, *points, d);
   if (!plan.shapes.empty() || options.converts()) add_peridynamics(mesh, options, plan, d, assembled, kept);
   if (points) add_bodies(mesh, options, d);
   apply_conditions(mesh, options, plan, d);

@@ -57,16 +57,13 @@ bool stays(const mesh::Mesh& mesh, const options::SceneOptions& options, const P
 }
 
 /// Particles are of one material, and take whole cells.
-void judge_patches(const mesh::Mesh& mesh, const options::SceneOptions& options, const PatchPlan& patches,
-                   const PointPlan<2>& plan)
+void judge_patches(const mesh::Mesh& mesh, const options::SceneOptions& options, const PointPlan<2>& plan)
 {
   constexpr Index none = std::numeric_limits<Index>::max();
-  // Cells with points missing, of another material, with a crack; and a patch in two bodies.
-  std::array<Index, 4> first{none, none, none, none};
+  // Cells with points missing, of another material, with a crack.
+  std::array<Index, 3> first{none, none, none};
   for (const Index c : mesh.cells(mesh::Use::covered)) {
     const Index cell = mesh.natural_cell(c) - plan.first_cell;
-    if (patches.shapes[static_cast<std::size_t>(mesh.patch(c))].body != mesh.body(c))
-      first[3] = std::min(first[3], static_cast<Index>(mesh.patch(c)));
     if (cell < 0) continue;
     const auto& column = plan.cells[static_cast<std::size_t>(cell)];
     const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
@@ -80,19 +77,12 @@ void judge_patches(const mesh::Mesh& mesh, const options::SceneOptions& options,
     if (enters(options.cracks.lines, {x[0] - rim, x[2] + rim}, 1e-3 * (x[2] - x[0]).norm()))
       first[2] = std::min(first[2], mesh.natural_cell(c) - plan.first_cell);
   }
-  MPI_Allreduce(MPI_IN_PLACE, first.data(), 4, MPI_INT, MPI_MIN, mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, first.data(), 3, MPI_INT, MPI_MIN, mesh.comm());
   const auto place = [&](Index cell) {
     const auto& column = plan.cells[static_cast<std::size_t>(cell)];
     const mpm::Body<2>& of = plan.bodies[static_cast<std::size_t>(column.body)];
     return std::pair{of.name, options.frame.text(of.node({column.at[0], column.at[1]}))};
   };
-  if (first[3] != none) {
-    const geom::Box<2>& box = patches.shapes[static_cast<std::size_t>(first[3])].box;
-    throw UserError(
-        fmt::format("-pd_patches: the patch from {} to {} lies in two bodies, which bonds would join: give a "
-                    "box for each (-adapt_seed tip: put the tip farther from the other body)",
-                    options.frame.text(box.lower), options.frame.text(box.upper)));
-  }
   if (first[0] != none) {
     const auto [name, at] = place(first[0]);
     throw UserError(fmt::format("-pd_patches: the cell of {} at {} is not full of points: particles take whole cells; "
@@ -172,11 +162,11 @@ void deal_cells(const PointPlan<2>& plan, mesh::Mesh& mesh)
   }
 }
 
-void add_points(const mesh::Mesh& mesh, const options::SceneOptions& options, const PatchPlan& patches,
-                const PointPlan<2>& plan, Discretisation& d)
+void add_points(const mesh::Mesh& mesh, const options::SceneOptions& options, const PointPlan<2>& plan,
+                Discretisation& d)
 {
   d.point_plan = &plan;
-  mixed::judge_patches(mesh, options, patches, plan);
+  mixed::judge_patches(mesh, options, plan);
   for (Index c = 0; c < mesh.cells(); ++c) d.stays.push_back(mixed::stays(mesh, options, plan, c));
   if (!any_rank(mesh.comm(), !mesh.cells(mesh::Use::points).empty())) return;
   static constexpr std::size_t kAround[] = {0, 1, 3, 2}; // corners of a cell, counter-clockwise, as x fastest

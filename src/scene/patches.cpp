@@ -1,5 +1,6 @@
 #include "pdx/scene/patches.hpp"
 
+#include "pdx/base/gather.hpp"
 #include "pdx/mesh/sites.hpp"
 
 #include "joined_boxes.hpp"
@@ -188,7 +189,7 @@ public:
       : boxes_(shape.boxes), near_(kFits * shape.lattice.dx), area_(boxes_.size(), 0.0), cut_(boxes_.size(), 0.0)
   {
     for (Index c = 0; c < mesh.owned_cells(); ++c)
-      for (std::size_t b = 0; b < boxes_.size(); ++b) {
+      for (std::size_t b = 0; b < boxes_.size() && mesh.body(c) == shape.body; ++b) {
         const auto corners = mesh.corners(c);
         Vector<2> lower = corners[0], upper = corners[0];
         for (const Vector<2>& x : corners) lower = lower.cwiseMin(x), upper = upper.cwiseMax(x);
@@ -237,10 +238,22 @@ std::vector<Index> cells_under(const mesh::Mesh& mesh, const couple::PatchShape&
     const std::vector<Index> more = mesh.finder().in(box);
     cells.insert(cells.end(), more.begin(), more.end());
   }
+  std::erase_if(cells, [&](Index c) { return mesh.body(c) != shape.body; }); // those of others may stick out of them
   std::ranges::sort(cells);
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   return cells;
 }
+
+namespace {
+/// Have cells of another body their middle in a patch? Collective.
+bool in_two_bodies(const mesh::Mesh& mesh, const couple::PatchShape& shape)
+{
+  return any_rank(mesh.comm(), std::ranges::any_of(shape.boxes, [&](const geom::Box<2>& box) {
+                    return std::ranges::any_of(mesh.finder().in(box),
+                                               [&](Index c) { return mesh.body(c) != shape.body; });
+                  }));
+}
+} // namespace
 
 void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options, const geom::Frame& frame,
                  Kept* kept)
@@ -277,6 +290,11 @@ void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOption
     if (cut[p] == 0.0 && std::abs(area[p] - whole) < 1e-6 * whole) continue;
     const CutBoxes boxes(shape, mesh);
     const std::size_t b = boxes.first();
+    if (!boxes.cuts(b) && in_two_bodies(mesh, shape))
+      throw UserError(
+          fmt::format("-pd_patches: the patch from {} to {} lies in two bodies, which bonds would join: give a "
+                      "box for each (-adapt_seed tip: put the tip farther from the other body)",
+                      frame.text(shape.box.lower), frame.text(shape.box.upper)));
     if (!boxes.cuts(b))
       throw UserError(fmt::format("{} reaches where there are no elements: only {:.3g} % of it lies in the body; put "
                                   "several boxes side by side, each in the body",

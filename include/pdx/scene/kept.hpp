@@ -1,6 +1,7 @@
 #pragma once
 #include "pdx/couple/carried_bonds.hpp"
 #include "pdx/fem/elastic_term.hpp"
+#include "pdx/field/system.hpp"
 #include "pdx/pd/bond_term.hpp"
 #include "pdx/scene/handed.hpp"
 #include "pdx/scene/patches.hpp"

@@ -16,8 +16,8 @@ void convert_along_cracks(const PointPlan<2>& plan, options::SceneOptions& optio
 
 /// Adds the Term of the material points that no patch covers. Collective. Throws UserError for a patch that takes part
 /// of a cell's points, or points of another material.
-void add_points(const mesh::Mesh& mesh, const options::SceneOptions& options, const PatchPlan& patches,
-                const PointPlan<2>& plan, Discretisation& d);
+void add_points(const mesh::Mesh& mesh, const options::SceneOptions& options, const PointPlan<2>& plan,
+                Discretisation& d);
 
 /// Adds contact between bodies, of points, particles and elements, if they may touch, and the velocities that bodies
 /// begin with. Collective.
