@@ -24,6 +24,9 @@ double acoustic_step(const options::SceneOptions& options)
   return shortest;
 }
 
+/// What `scene::BodyLedger::start` is called among notes.
+std::string start_name(std::size_t k) { return fmt::format("bodies_start {}", k); }
+
 /// What broke, and where cracks have come to, as the log of a run in time ends.
 std::string broken_line(const io::Summary& summary)
 {
@@ -93,6 +96,7 @@ std::optional<scene::CrackNotes> TimeRecorder::leave_scene(const solve::TimeDriv
 {
   const MotionEnergies e = energies(driver);
   left_ = e.total();
+  if (d_->bodies) bodies_start_ = d_->bodies->start();
   if (cracks_ && for_another) { // what broke here is seen, whenever rows of the history are due
     count(e);
     cracks_->look(driver.time(), broken_.bonds);
@@ -110,6 +114,7 @@ void TimeRecorder::take_scene(const scene::Standing& scene, const solve::TimeDri
   cracks_ = CrackWatch::make(files_);
   if (cracks_ && cracks) cracks_->take_notes(std::move(*cracks));
   if (cracks_) cracks_->note_new();
+  if (d_->bodies) d_->bodies->begin_with(bodies_start_);
   converted_ += energies(driver).total() - left_;
 }
 
@@ -133,6 +138,8 @@ TimeRecorder::Notes TimeRecorder::notes() const
               {"converted", converted_},
               {"relocations", static_cast<double>(files_.summary.relocations)}};
   if (sections_) sections_->add_notes(notes);
+  const std::vector<double> start = d_->bodies ? d_->bodies->start() : std::vector<double>{};
+  for (std::size_t k = 0; k < start.size(); ++k) notes[start_name(k)] = start[k];
   return notes;
 }
 
@@ -193,6 +200,10 @@ void TimeRecorder::take_notes(const Notes& notes)
   largest_residual_ = notes.at("largest_residual");
   converted_ = notes.at("converted");
   if (sections_) sections_->take_notes(notes);
+  std::vector<double> start = d_->bodies ? d_->bodies->start() : std::vector<double>{};
+  for (std::size_t k = 0; k < start.size(); ++k)
+    if (const auto known = notes.find(start_name(k)); known != notes.end()) start[k] = known->second;
+  if (d_->bodies) d_->bodies->begin_with(start);
   files_.summary.relocations = std::llround(notes.at("relocations"));
 }
 

@@ -75,6 +75,26 @@ template <int Dim> double BodyBooks<Dim>::kinetic(std::span<const double> veloci
   return sum;
 }
 
+template <int Dim> std::vector<double> BodyBooks<Dim>::start() const
+{
+  std::vector<double> all;
+  for (std::size_t b = 0; b < start_.mass.size(); ++b) {
+    all.push_back(start_.mass[b]);
+    all.insert(all.end(), start_.momentum[b].begin(), start_.momentum[b].end());
+  }
+  all.insert(all.end(), middle_.begin(), middle_.end());
+  return all;
+}
+
+template <int Dim> void BodyBooks<Dim>::begin_with(std::span<const double> start)
+{
+  for (std::size_t b = 0; b < start_.mass.size(); ++b) {
+    start_.mass[b] = start[b * (Dim + 1)];
+    start_.momentum[b] = Eigen::Map<const Vector<Dim>>(&start[b * (Dim + 1) + 1]);
+  }
+  middle_ = Eigen::Map<const Vector<Dim>>(&start[start_.mass.size() * (Dim + 1)]);
+}
+
 template <int Dim> std::vector<io::Column> BodyBooks<Dim>::more_columns() const
 {
   std::vector<io::Column> columns;

@@ -73,6 +73,7 @@ private:
   double largest_energy_ = 0.0;         // put in so far, at any look [J]
   double largest_residual_ = 0.0;       // [J]
   double converted_ = 0.0, left_ = 0.0; // energy by changes of layout; in the scene that was left [J]
+  std::vector<double> bodies_start_;    // of the scene that was left: `scene::BodyLedger::start`
   double begin_ = 0.0, output_ = 0.0;
   int first_step_ = 0;
   int pictured_ = -1;         // step whose fields were written last

@@ -35,6 +35,12 @@ public:
                            nlohmann::ordered_json& results) const = 0;
   /// 1/2 m v^2 of the first `rows` rows of bodies before `end`, this rank's part [J].
   virtual double kinetic(std::span<const double> velocity, Index rows, Index end) const = 0;
+  /// What the run began with, whose layout may have been another: mass [kg] and momentum [kg m/s] of each body, centre
+  /// of mass of all [m]; and the way back. Alike on all ranks.
+  ///@{
+  virtual std::vector<double> start() const = 0;
+  virtual void begin_with(std::span<const double> start) = 0;
+  ///@}
 };
 
 template <int Dim> class BodyBooks final : public BodyLedger {
@@ -49,6 +55,8 @@ public:
   void add_results(std::span<const double> local, std::span<const double> velocity,
                    nlohmann::ordered_json& results) const override;
   double kinetic(std::span<const double> velocity, Index rows, Index end) const override;
+  std::vector<double> start() const override;
+  void begin_with(std::span<const double> start) override;
 
 private:
   struct Sums {
