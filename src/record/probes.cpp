@@ -79,7 +79,10 @@ Probes::Pictures Probes::pictures(const Probed& scene) const
     return std::ranges::find(probe.fields, kVelocityField) != probe.fields.end();
   });
   Pictures now{scene.blocks(false), {}};
-  if (moves && !has(now.still, kVelocityField)) now.moving = scene.blocks(true);
+  const bool some = std::ranges::any_of(now.still, [](const field::OutputBlock& block) {
+    return !has({&block, 1}, kVelocityField); // points have it, elements and particles beside them not
+  });
+  if (moves && some) now.moving = scene.blocks(true);
   return now;
 }
 
@@ -97,8 +100,9 @@ void Probes::find(const Probed& scene, const options::ProbeOptions& probe, State
 std::vector<double> Probes::value(const Probed& scene, const ProbeHost& host, const std::string& field,
                                   const Pictures& now) const
 {
-  if (field == kVelocityField && !now.moving.empty()) return probe_value(scene.comm, now.moving, host, "displacement");
-  return probe_value(scene.comm, now.still, host, field);
+  std::vector<double> known = probe_value(scene.comm, now.still, host, field);
+  if (!known.empty() || field != kVelocityField || now.moving.empty()) return known;
+  return probe_value(scene.comm, now.moving, host, "displacement");
 }
 
 void Probes::open(const Probed& scene, const options::ProbeOptions& probe, State& state, const Pictures& now,
@@ -107,7 +111,7 @@ void Probes::open(const Probed& scene, const options::ProbeOptions& probe, State
   std::vector<io::Column> columns{{"step", "-"}, time_};
   if (probe.line) columns.push_back({"along", "m"});
   for (const std::string& field : probe.fields) {
-    const bool moving = field == kVelocityField && !now.moving.empty();
+    const bool moving = field == kVelocityField && !has(now.still, kVelocityField);
     if (!moving && !has(now.still, field))
       throw UserError(fmt::format("-probe_{}_field is {}: the scene has no such field; it has {}", probe.name,
                                   shown(field), names_of(now.still)));

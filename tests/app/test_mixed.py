@@ -113,7 +113,75 @@ HOLES = {
 EARLY, LATE = "2095", "2110"  # steps before and after what is held by waves becomes particles
 
 
+# A body 11 mm high, in cells of 2 mm, on which another falls: the uppermost cells of one reach into the box of the other.
+SOFT = {
+    "-analysis": "explicit",
+    "-material_young": "1e9",
+    "-material_poisson": "1/3",
+    "-material_density": "1000",
+    "-mpm_spacing": "1e-3",
+    "-pd_spacing": "1e-3",
+    "-pd_critical_stretch": "0.5",
+    "-adapt": "expand",
+    "-adapt_trigger": "stress",
+    "-adapt_stress": "6e6",
+    "-quiet": "",
+}
+UNEVEN = SOFT | {
+    "-mpm_bodies": "a,b",
+    "-mpm_a_box": "0,0,0.02,0.011",
+    "-mpm_b_box": "0,0.011,0.02,0.021",
+    "-mpm_b_velocity": "0,-30",
+    "-ts_max_time": "20e-6",
+}
+# A part of a body is thrown, to where its cells end, and becomes particles.
+PART_THROWN = SOFT | {
+    "-mpm_bodies": "a",
+    "-mpm_a_box": "0,0,0.04,0.02",
+    "-bc_names": "part",
+    "-bc_part_box": "0,0,0.012,0.02",
+    "-bc_part_initial_velocity": "20,0",
+    "-adapt_stress": "5e6",
+    "-output_history": "",
+    "-ts_max_time": "60e-6",
+}
+
+
 class Mixed(program.ProgramTest):
+    def test_cells_that_stick_out_of_their_body_are_none_of_its_neighbour_s(self):
+        for ranks in (1, 2):
+            run = self.solve(UNEVEN, ranks)
+            self.assertGreater(run.summary["relocations"], 1)
+            self.assertLess(run.summary["results"]["momentum_error_ratio"], 1e-12)
+
+    def test_the_start_is_that_of_the_first_layout(self):
+        # Nodes of points at the edge of the box move, of particles those inside alone: the start is not to be asked again.
+        whole = self.solve(PART_THROWN)
+        self.assertGreater(whole.summary["relocations"], 1)
+        self.assertLess(whole.summary["results"]["momentum_error_ratio"], 1e-12)
+        rows, directory = whole.history(), self.scratch / "again"
+        turning = max(abs(row["angular_momentum_z"] - rows[0]["angular_momentum_z"]) for row in rows)
+        self.assertLess(turning, 1e-12 * rows[0]["momentum_x"] * 0.02)
+        middle = str(int(rows[-1]["step"]) - 3)
+        self.solve(PART_THROWN | {"-ts_max_steps": middle, "-checkpoint_interval": middle}, 1, directory)
+        rest = self.solve(PART_THROWN | {"-restart": str(directory / "checkpoint.h5")}, 1, directory)
+        for name in ("momentum_error_ratio", "initial_energy"):
+            self.assertEqual(rest.summary["results"][name], whole.summary["results"][name], name)
+
+    def test_probes_know_the_velocity_of_all_that_moves(self):
+        # Elements and particles, which are struck, and points, which strike. Steps are central differences, the last is shorter.
+        places = {"e": "0.005,0", "p": "0.02,0.001", "m": "-0.0105,0.0005"}
+        probes = {"-probe_names": ",".join(places), "-ts_max_time": "6e-6", "-output_history_interval": "1"}
+        for name, place in places.items():
+            probes |= {f"-probe_{name}_at": place, f"-probe_{name}_field": "displacement,velocity"}
+        run = self.solve(STRUCK | probes)
+        for name in places:
+            time, u, v = (np.array([row[key] for row in program.rows_of(run.directory / f"probe_{name}.csv")])
+                          for key in ("time", "displacement_x", "velocity_x"))  # fmt: skip
+            self.assertGreater(abs(v).max(), 0.1 * 10.0, name)
+            rate = (u[2:-1] - u[:-3]) / (time[2:-1] - time[:-3])
+            self.assertLess(abs(rate - v[1:-2]).max(), 1e-10 * 10.0, name)
+
     def test_bodies_of_all_kinds_strike_each_other(self):
         for scene in (STRUCK, ON_PARTICLES):
             one = self.solve(scene)
