@@ -68,7 +68,10 @@ double CellBounds<Dim>::stiffest(const CellPoints<Dim>& points, const SharedPart
   Weights rounded;
   for (std::size_t a = 0; a < rounded.size(); ++a)
     rounded[a] = std::llround(kPerUnit * weights[static_cast<Eigen::Index>(a)]);
-  const auto [at, fresh] = known_.try_emplace({points.mask, shared, rounded}, 0.0);
+  const Key key{points.mask, shared, rounded};
+  if (last_ && last_->first == key) return last_->second;
+  const auto [at, fresh] = known_.try_emplace(key, 0.0);
+  last_ = &*at;
   if (!fresh) return at->second;
   const auto [matrix, new_matrix] = matrices_.try_emplace({points.mask, shared}, CellMatrix<Dim>::Zero());
   CellMatrix<Dim>& k = matrix->second;

@@ -32,6 +32,8 @@ private:
   using Weights = std::array<std::int64_t, static_cast<std::size_t>(kCorners<Dim>)>;
   const BodyMaterial& body_;
   std::map<std::pair<std::uint64_t, SharedParts<Dim>>, CellMatrix<Dim>> matrices_;
-  std::map<std::tuple<std::uint64_t, SharedParts<Dim>, Weights>, double> known_;
+  using Key = std::tuple<std::uint64_t, SharedParts<Dim>, Weights>;
+  std::map<Key, double> known_;
+  const std::pair<const Key, double>* last_ = nullptr; // of known_: of that cells inside a body mostly ask again
 };
 } // namespace pdx::mpm
