@@ -178,6 +178,22 @@ bool can_convert(const SceneView& scene, std::span<const geom::LatticeAnchor> la
   return any_rank(scene.mesh.comm(), any) || !any_rank(scene.mesh.comm(), left);
 }
 
+std::optional<UndividedCell> undivided_cell(const SceneView& scene, std::span<const geom::LatticeAnchor> lattices)
+{
+  const mesh::Mesh& mesh = scene.mesh;
+  std::vector<Found> mine; // the first
+  for (Index c = 0; c < mesh.owned_cells(); ++c) {
+    const geom::LatticeAnchor anchor = lattice_of(scene, lattices, mesh.body(c));
+    if (!can_cover(scene, c) || !is_box(mesh.corners(c), kFits * anchor.spacing)) continue;
+    if (is_divided(mesh.corners(c), {anchor.corner, anchor.spacing, {1, 1}})) continue;
+    if (mine.empty() || mesh.natural_cell(c) < mine.front().cell)
+      mine.assign(1, found(mesh, c, box_of(mesh, c), anchor.spacing));
+  }
+  const std::vector<LayoutChange::Cover> all = gathered(mesh.comm(), mine);
+  if (all.empty()) return std::nullopt;
+  return UndividedCell{all.front().box.size(), all.front().spacing};
+}
+
 std::vector<LayoutChange::Cover> conversion(const SceneView& scene, BulkWatch& watch,
                                             std::span<const geom::LatticeAnchor> lattices,
                                             std::span<const double> local)

@@ -42,6 +42,28 @@ template <int Dim> std::string late_stress(const options::SceneOptions& options)
       "particles breaks at once; give less, or -adapt_trigger stretch",
       triggers.largest_stress, options.pd.spacing[0], strength, critical);
 }
+
+void refuse_undivided(const adapt::UndividedCell& cell)
+{
+  const double fit = scene::nearest_fit({cell.sides.data(), 2}, cell.spacing);
+  throw UserError(fmt::format(
+      "-pd_spacing is {:g}: the sides {:.6g} and {:.6g} m of the cells that -adapt_trigger is to "
+      "make particles must be whole numbers of it; {}",
+      cell.spacing, cell.sides[0], cell.sides[1],
+      fit > 0.0 ? fmt::format("the nearest that fits is {:.10g}", fit) : "no spacing fits both: change the cells"));
+}
+
+/// In space particles are where points were.
+void refuse_unlike_spacing(const options::SceneOptions& options)
+{
+  const law::Elastic& e = options.elastic;
+  for (const options::PointBodyOptions& body : options.points.bodies)
+    if (body.spacing != options.pd.spacing[0] && body.elastic.young == e.young && body.elastic.poisson == e.poisson &&
+        body.elastic.density == e.density)
+      throw UserError(fmt::format("-pd_spacing is {:g}: with -material_plane solid it must be that of the points, {:g} "
+                                  "for {}",
+                                  options.pd.spacing[0], body.spacing, body.name));
+}
 } // namespace
 
 adapt::Reaches PatchMover::reaches(const couple::Surroundings& around, double horizon) const
@@ -66,9 +88,13 @@ std::string PatchMover::begin(const adapt::SceneView& scene, const scene::PatchP
           fmt::format("-adapt_expansion_length is {:g}: must be above the {:g} of -adapt_critical_length, or "
                       "patches never move away from what broke",
                       expansion, critical));
-  if (options_.converts() && !adapt::can_convert(scene, scene::body_lattices(options_)))
+  if (const auto lattices = scene::body_lattices(options_);
+      options_.converts() && !adapt::can_convert(scene, lattices)) {
+    const auto cell = adapt::undivided_cell(scene, lattices);
+    if (cell && scene.around.empty()) refuse_undivided(*cell);
     return "-adapt_trigger: no cell can become particles: their sides must be whole numbers of -pd_spacing, and points "
            "full, of -material_young, _poisson and _density";
+  }
   if (options_.converts()) return late_stress<2>(options_);
   if (adapt::can_expand(scene)) return "";
   return "-adapt: the sides of no element are whole numbers of -pd_spacing on its lines, so no patch will grow";
@@ -178,6 +204,7 @@ std::string PatchMover::begin(const adapt::SpaceView& scene) const
   bool any = false;
   for (const mpm::GridCell<3>& cell : scene.cells) any = any || scene.may_convert(cell);
   if (any_rank(scene.halo.rows().comm, any)) return late_stress<3>(options_);
+  if (scene.shapes.empty()) refuse_unlike_spacing(options_);
   return "-adapt: no cell of points can become particles: they must be full of points, -pd_spacing apart, of "
          "-material_young, _poisson and _density, and not held at a side";
 }

@@ -4,9 +4,6 @@
 namespace pdx::scene {
 constexpr double kFits = 1e-6; ///< how far a side may be from a whole number of spacings [spacings]
 
-/// The spacing nearest to dx that divides all sides, 0 if there is none within a factor of two [m].
-double nearest_fit(std::span<const double> sides, double dx);
-
 /// Which boxes of -pd_patches hang together, by their numbers: those that overlap, or share an edge or a corner.
 /// Patches and their boxes come in the order in which they were given. Throws UserError where such boxes have no
 /// lattice in common, saying what would fit.

@@ -51,6 +51,14 @@ private:
 /// `conversion`
 bool can_convert(const SceneView& scene, std::span<const geom::LatticeAnchor> lattices);
 
+/// A box that could become particles, if its lattice divided it.
+struct UndividedCell {
+  Vector<2> sides;      ///< [m]
+  double spacing = 0.0; ///< of the lattice [m]
+};
+/// The first of them, by natural numbers; none if there is none. Collective. @param lattices as for `conversion`
+std::optional<UndividedCell> undivided_cell(const SceneView& scene, std::span<const geom::LatticeAnchor> lattices);
+
 /// The cells that are to become particles: those that ask, and what lies as near to them in the same body as the margin
 /// says. Cells that the lattice does not divide stay, as those next to a patch of another, and those with a held node.
 /// Alike on every rank, in the order of natural numbers. Collective.

@@ -45,6 +45,9 @@ mesh::CellCost cell_cost(const PatchPlan& plan);
 /// Local cells whose middle a patch holds, ascending.
 std::vector<Index> cells_under(const mesh::Mesh& mesh, const couple::PatchShape& shape);
 
+/// The spacing nearest to dx that divides all sides, 0 if there is none within a factor of two [m].
+double nearest_fit(std::span<const double> sides, double dx);
+
 /// Switches off the cells under the patches. Throws UserError if a patch leaves the mesh or cuts elements. Collective.
 /// @param frame of coordinates in messages   @param kept has covered patches that stay, and is told what others cover
 void cover_cells(mesh::Mesh& mesh, const PatchPlan& plan, const mesh::MeshOptions& options,
