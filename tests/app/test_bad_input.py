@@ -695,7 +695,7 @@ CASES = [
            mpm_two_box=None, mpm_two_polygon="1,0,2,1,2,0,1,1"),
     points("elements beside points in space", r"-mesh_cells is of elements\b.*in space.*drop it", material_plane="solid",
            mpm_one_box="0,0,0,0.4,0.4,0.4", mpm_two_box="1,0,0,1.4,0.4,0.4", mesh_cells="4,4", mesh_lower="0,0",
-           mesh_upper="1,1"),
+           mesh_upper="1,1", mpm_one_velocity="1,0,0"),
     points("condition on a body that is not there", r"-bc_left_of is three\b.*bodies are one, two", bc_left_of="three"),
     points("bodies in equilibrium that rub", r"-analysis static knows no friction\b.*-contact_friction", analysis=None, ts_max_steps=None,
            contact_friction="0.1"),
