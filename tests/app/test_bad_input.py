@@ -55,6 +55,7 @@ SOLID = {key: value for key, value in PLATE.items() if not key.startswith("-bc_"
     "-pd_patches": "all",
     "-pd_spacing": "0.1",
     "-pd_horizon_ratio": "2",
+    "-pd_surface_correction": "volume",
     "-analysis": "explicit",
     "-ts_max_steps": "3",
     "-bc_names": "left",
