@@ -85,7 +85,7 @@ void judge(const BoundaryCondition& c)
   const std::string stem = "-bc_" + c.name;
   if (!c.holds() && !c.traction && !c.body && !c.force && !c.initial_velocity && !c.springs && !c.pin)
     throw UserError(fmt::format(
-        "{0}: nothing is prescribed: give {0}_displacement, {0}_roller, {0}_turn, {0}_spring, {0}_traction, {0}_body "
+        "{0}: nothing is prescribed: give {0}_displacement, {0}_roller, {0}_turn, {0}_spring, {0}_traction, {0}_body, "
         "{0}_force or {0}_pin (in time also {0}_velocity or {0}_initial_velocity)",
         stem));
   for (std::size_t a = 0; a < 3; ++a)

@@ -208,6 +208,11 @@ void judge_regions(const SceneOptions& s)
   if (s.fracture.critical_stretch)
     throw UserError("-pd_critical_stretch is of one material: give -material_toughness and -region_NAME_toughness");
   for (const RegionOptions& region : s.region_set.regions)
+    if (s.face_mass && (region.elastic.density != s.elastic.density || region.elastic.thickness != s.elastic.thickness))
+      throw UserError(fmt::format("-couple_face_mass hands over mass of one density and thickness: drop it, or "
+                                  "-region_{0}_density and -region_{0}_thickness",
+                                  region.name));
+  for (const RegionOptions& region : s.region_set.regions)
     if (s.time.dynamic() && region.elastic.density <= 0.0)
       throw UserError(
           fmt::format("-region_{}_density is missing: things that move have a mass; give it in kg/m^3", region.name));

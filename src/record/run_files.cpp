@@ -311,6 +311,14 @@ void RunFiles::say_warning(const std::string& what) const
   if (rank == 0) fmt::print(stderr, "warning: {}\n", as_one_line(what));
 }
 
+void RunFiles::warn_of_energy()
+{
+  if (const double drift = summary.results.value("energy_drift_ratio", 0.0); drift > 1.0)
+    warn(fmt::format("the energies are off by {:.3g} times all that was put in: these results are of no use; try a "
+                     "smaller -ts_safety or -ts_dt",
+                     drift));
+}
+
 void RunFiles::warn(const std::string& what)
 {
   if (what.empty()) return;

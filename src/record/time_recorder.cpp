@@ -347,6 +347,7 @@ void TimeRecorder::finish(const solve::TimeDriver& driver)
   if (files_.fields && !told(driver)) files_.write_fields(driver.time(), driver.displacement());
   files_.look_at_probes(driver.step(), driver.time(), driver.displacement(), true);
   write_results(driver, e);
+  files_.warn_of_energy();
   count_seconds(end);
   files_.summary.steps = driver.step();
   files_.write_summary("done");

@@ -138,11 +138,30 @@ private:
     for_each_corner(cell, x,
                     [&](Index row, double weight) { push(static_cast<std::size_t>(row), weight * load, force); });
   }
-  /// How far a particle goes beyond its place; nodes of the grid are where the body ends [m].
-  double half_size(Index row) const
+  /// How far a particle goes beyond its place; nodes of the grid are where the body ends, but for those out of its
+  /// shape that next to nothing hangs on [m].
+  double half_size(Index row)
   {
-    if (row < body_.grid.rows.first_particle()) return 0.0;
+    constexpr double kCorner = 0.8 / (1 << Dim); // less than the corner of a full body bears
+    if (row < body_.grid.rows.first_particle()) {
+      if (borne_.empty()) find_borne();
+      return borne_[static_cast<std::size_t>(row)] < kCorner ? -1.0 : 0.0;
+    }
     return 0.5 * body_at(body_.grid.body[static_cast<std::size_t>(row)]).material.spacing;
+  }
+
+  /// The part of a cell's points that nodes bear.
+  void find_borne()
+  {
+    borne_.assign(static_cast<std::size_t>(body_.grid.rows.first_particle()), 0.0);
+    for (const Cell& cell : body_.grid.cells) {
+      const mpm::Body<Dim>& of = body_at(cell.body);
+      const double sites = std::pow(of.cell_size() / of.material.spacing, Dim);
+      mpm::for_each_point(of.points_in(cell.at), [&](int site) {
+        for_each_corner(cell, of.place(cell.at, site),
+                        [&](Index row, double weight) { borne_[static_cast<std::size_t>(row)] += weight / sites; });
+      });
+    }
   }
 
   /// Calls visit(row, body, place) for the particles of the bodies that a condition is for.
@@ -242,6 +261,7 @@ private:
   const options::SceneOptions& options_;
   PointBody<Dim>& body_;
   PointPlaces<Dim> places_;
+  std::vector<double> borne_; // by nodes, once a pin asks
 };
 } // namespace
 

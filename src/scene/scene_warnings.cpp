@@ -112,7 +112,7 @@ bool is_straight(const options::PointShape& shape, const BoxSide& on)
 std::string round_warning(const options::SceneOptions& options, const options::BoundaryCondition& c)
 {
   const std::optional<BoxSide> on = box_side(c.on, options.solid ? 3 : 2);
-  if (!on || !(c.traction || c.springs)) return {};
+  if (!on || !(c.traction || c.springs) || c.box) return {};
   for (const options::PointBodyOptions& body : options.points.bodies)
     if ((c.of.empty() || c.of == body.name) && !is_straight(body.shape, *on))
       return fmt::format(

@@ -223,6 +223,8 @@ CASES = [
     plate("rollers that meet what moves", r"-bc_roll_roller holds what another condition moves", bc_names="left,right,roll",
           bc_left_displacement="1e-3,1e-3", bc_roll_on="bottom", bc_roll_roller="1,1"),
     plate("springs nowhere", r"-bc_s_spring stands on a side.*-bc_s_on", bc_names="left,right,s", bc_s_spring="1e9"),
+    patch("face mass of two densities", r"-couple_face_mass hands over mass of one density.*-region_s_density", analysis="explicit",
+          material_density="1000", ts_max_steps="2", couple_face_mass="", region_names="s", region_s_box="0,0,0.5,0.5", region_s_density="400"),
     plate("springs of no stiffness", r"-bc_s_spring has 1 value that is 0", bc_names="left,right,s", bc_s_on="top", bc_s_spring="0"),
     plate("springs that pull", r"-bc_s_spring\b.*at least 0", bc_names="left,right,s", bc_s_on="top", bc_s_spring="-1"),
     plate("springs at a crack", r"-bc_s_spring: a crack cuts elements at that side", bc_names="left,right,s", bc_s_on="top", bc_s_spring="1e9",

@@ -296,6 +296,14 @@ class Pins(program.ProgramTest):
                 a, b = one.history()[-1][name], run.history()[-1][name]
                 self.assertAlmostEqual(a / b, 1.0, delta=1e-7, msg=name)
 
+    def test_a_disc_that_flies_into_a_pin_keeps_its_energy(self):
+        run = self.solve({  # nodes out of its shape bear next to nothing: a pin that pushed them made five times its energy
+            "-analysis": "explicit", "-material_young": "1e7", "-material_density": f"{RHO}", "-mpm_bodies": "a", "-mpm_a_disc": "0,0,0.1",
+            "-mpm_a_velocity": "8.660254,5", "-mpm_spacing": "0.01", "-bc_names": "p", "-bc_p_pin": "0.05", "-bc_p_at": "0.155884573,0.09",
+            "-ts_max_time": "6e-3", "-output_history": "", "-quiet": ""})  # fmt: skip
+        self.assertGreater(max(row["energy_supports"] for row in run.history()), 100.0)
+        self.assertLess(run.summary["results"]["energy_drift_ratio"], 1e-2)
+
     def test_a_pin_that_lies_at_a_body_takes_no_force_of_rounding(self):
         run = self.launch({  # 0.24 + 0.05 is not quite 0.29
             "-analysis": "implicit", "-material_young": f"{E}", "-material_density": f"{RHO}", "-mpm_bodies": "b", "-mpm_b_box": "0,0,0.24,0.08",

@@ -49,6 +49,7 @@ public:
   /// A line on standard error, even when quiet; none for "". With -warnings_are_errors it ends the run: throws
   /// UserError. Collective, with the same text on every rank.
   void warn(const std::string& what);
+  void warn_of_energy(); ///< where more is nowhere than was put in: such results are none
   /// Lines for `warn` when the scene stands: of what is refused before, its error alone is said.
   void warn_later(std::vector<std::string> lines) { waiting_ = std::move(lines); }
   /// Columns of the reactions of held parts, one for each direction.
